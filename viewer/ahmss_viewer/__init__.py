@@ -1,0 +1,1 @@
+"""Pictures of the world: window, headless recorder, contact sheets."""
