@@ -1,4 +1,4 @@
-"""The 43 links of the human model: 15 of the body and 14 of the fingers of each hand (Ichiguchi 2000, figures 4.1 to 4.3).
+"""The 43 links of the human model: 15 of the body, 14 of each hand's fingers (Ichiguchi 2000, figures 4.1 to 4.3).
 
 The order is the same everywhere: in poses, clips, messages and skins. Parents stand before their children.
 Names are those of the VRM humanoid in snake case.
