@@ -54,10 +54,10 @@ class Skeleton:
     """One human's fixed measures, in metres, kilograms and radians.
 
     offsets (43, 3): each joint in its parent's frame. tips (43, 3): the end of each link in its own frame.
-    mass (43,). limits (43, 3, 2): lowest and highest rotation-vector component about the link's x, y, z, from upright.
-    grips (2, 7): right and left palm frame in the hand's frame, place and rotation (x out of the palm, z to the
-    thumb). soles (3, 3): heel, ball and toe tip in the right foot's frame (the left's have y negated). eye (3,): in
-    the head's frame, between the eyes.
+    mass (43,). radii (43,): the skin's mean radius around each link. limits (43, 3, 2): lowest and highest
+    rotation-vector component about the link's x, y, z, from upright. grips (2, 7): right and left palm frame in the
+    hand's frame, place and rotation (x out of the palm, z to the thumb). soles (3, 3): heel, ball and toe tip in the
+    right foot's frame (the left's have y negated). eye (3,): in the head's frame, between the eyes.
     """
 
     name: str
@@ -66,6 +66,7 @@ class Skeleton:
     offsets: Array
     tips: Array
     mass: Array
+    radii: Array
     limits: Array
     grips: Array
     soles: Array
@@ -90,14 +91,14 @@ class Skeleton:
 
     def to_record(self) -> dict[str, Any]:
         """Plain JSON types, for START and for the world."""
-        arrays = ("offsets", "tips", "mass", "limits", "grips", "soles", "eye")
+        arrays = ("offsets", "tips", "mass", "radii", "limits", "grips", "soles", "eye")
         record: dict[str, Any] = {"name": self.name, "stature": self.stature, "sex": self.sex}
         return record | {key: getattr(self, key).tolist() for key in arrays}
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Skeleton:
         """The inverse of `to_record`."""
-        arrays = ("offsets", "tips", "mass", "limits", "grips", "soles", "eye")
+        arrays = ("offsets", "tips", "mass", "radii", "limits", "grips", "soles", "eye")
         return cls(
             name=record["name"], stature=record["stature"], sex=record["sex"],
             **{key: np.array(record[key], float) for key in arrays},
