@@ -1,0 +1,47 @@
+# Everything that a newcomer types: make demo, make test. What is needed is made in .venv.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.installed
+GL := $(VENV)/.gl
+
+.PHONY: demo test test-long lint check-gl clean help
+
+help:
+	@echo "make demo        the table scenario: a recording, a film and a contact sheet in out/"
+	@echo "make test        all tests and checks, under 5 minutes"
+	@echo "make test-long   soak, fuzz and stalls"
+	@echo "make lint        ruff, pyright and the direction of imports"
+
+demo: $(READY) $(GL)
+	$(BIN)/ahmss demo
+
+test: $(READY) $(GL) lint
+	$(BIN)/pytest -q -n 2 --dist loadfile
+
+test-long: $(READY) $(GL)
+	$(BIN)/pytest -q -m long --timeout 900
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright --warnings
+	$(BIN)/lint-imports
+
+# Python 3.11 or newer, a virtual environment, and this package in it with what its tests need.
+$(READY): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	  || { echo "make: $(PYTHON) is older than 3.11; type: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null \
+	  || { echo "make: this Python makes no virtual environments; type: sudo apt-get install python3-venv"; exit 1; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@touch $@
+
+# The libraries that draw without a display. Without them everything but pictures works.
+$(GL): | $(READY)
+	@sh scripts/install_gl.sh && touch $@ || true
+
+clean:
+	rm -rf $(VENV) out .pytest_cache .ruff_cache .import_linter_cache .hypothesis
