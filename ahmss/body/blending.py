@@ -29,8 +29,8 @@ def blend(rotations: Array, importance: Array, previous: Array) -> Array:
     """
     if rotations.shape[1:] != previous.shape or importance.shape != rotations.shape[:-1]:
         raise ShapeError(
-            f"blend: rotations {rotations.shape}, importance {importance.shape} and previous {previous.shape} disagree; "
-            "they must be (motions, ..., 43, 4), (motions, ..., 43) and (..., 43, 4)"
+            f"blend: rotations {rotations.shape}, importance {importance.shape} and previous {previous.shape} "
+            "disagree; they must be (motions, ..., 43, 4), (motions, ..., 43) and (..., 43, 4)"
         )
     # The sign of the dot product chooses the hemisphere; carried by the weight, it costs no extra pass.
     weight = np.copysign(importance, np.einsum("m...c,...c->m...", rotations, previous))

@@ -49,7 +49,7 @@ def _upright_world() -> Array:
 UPRIGHT_WORLD: Array = _upright_world()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays have no one truth value: a skeleton is itself
 class Skeleton:
     """One human's fixed measures, in metres, kilograms and radians.
 
