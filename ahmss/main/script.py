@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ahmss.errors import CommandError
-from ahmss.main.command import Add, Do, Human, Line, Remove, Set, Sync, Wait, parse
+from ahmss.main.command import Do, Human, Line, Sync, Wait, parse
 
 __all__ = ["Script", "Step", "read_script"]
 
