@@ -1,0 +1,102 @@
+from collections.abc import Sequence
+
+import pytest
+
+from ahmss.errors import CommandError
+from ahmss.main.command import Act, Add, Do, Line, Set
+from ahmss.main.dialogue import Dialogue, Listing
+
+
+class Shelf:
+    """A catalogue of two objects."""
+
+    def objects(self) -> Listing:
+        return Listing("objects", (("room/cup", "a cup"), ("room/floor", "a floor")))
+
+    def actions(self, name: str) -> Listing:
+        actions = {"room/cup": (("grasp", "take it"),), "room/floor": (("walk", "walk on it"),)}
+        return Listing("actions", actions[name])
+
+    def kinds(self) -> Listing:
+        return Listing("kinds", (("cup", "a cup"), ("lamp", "a lamp")))
+
+    def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:
+        return (("goal_position", "facing"), 120) if action == "walk" else (("hand",), 60)
+
+
+@pytest.fixture
+def dialogue() -> Dialogue:
+    return Dialogue(Shelf())
+
+
+def talk(dialogue: Dialogue, *answers: str) -> tuple[list[str], Line | None]:
+    asked: list[str] = []
+    line = None
+    for answer in answers:
+        asked.append(dialogue.question.prompt.split(" (")[0])
+        line = dialogue.answer(answer)
+    return asked, line
+
+
+def test_the_steps_of_a_motion_are_those_of_the_thesis(dialogue: Dialogue) -> None:
+    asked, line = talk(dialogue, "floor", "walk", "2 1", "90", "200", "no")
+    assert asked == [
+        "object", "what to do with room/floor", "goal position", "facing at the goal", "number of frames",
+        "fuse with another motion?",
+    ]  # fmt: skip
+    assert line == Do((Act("room/floor", "walk", goal_place=(2.0, 1.0), facing_deg=90.0, frames=200),))
+
+
+def test_fusing_goes_back_to_the_objects_and_asks_when_to_start(dialogue: Dialogue) -> None:
+    asked, line = talk(dialogue, "floor", "walk", "cup", "", "", "yes", "40", "cup", "grasp", "left", "50", "no")
+    assert asked[6:8] == ["start the next motion after how many frames", "object"]
+    assert line == Do(
+        (
+            Act("room/floor", "walk", goal_object="room/cup", frames=120),
+            Act("room/cup", "grasp", hand="left", frames=50, after=40),
+        )
+    )
+
+
+def test_an_object_is_added_by_kind_position_and_orientation(dialogue: Dialogue) -> None:
+    asked, line = talk(dialogue, "add", "lamp", "1, 2", "45")
+    assert asked[1:] == ["object to add", "position", "orientation"]
+    assert line == Add("lamp", "", (1.0, 2.0, 0.0), 45.0)
+
+
+def test_undo_takes_back_one_answer_at_a_time(dialogue: Dialogue) -> None:
+    talk(dialogue, "cup", "grasp", "left")
+    assert dialogue.undo()
+    assert dialogue.question.prompt.startswith("hand")
+    assert dialogue.undo()
+    assert dialogue.undo()
+    assert dialogue.question.prompt == "object"
+    assert not dialogue.undo()
+
+
+def test_a_whole_line_serves_at_any_question_and_keeps_it(dialogue: Dialogue) -> None:
+    dialogue.answer("cup")
+    assert dialogue.answer("set lamp power on") == Set("lamp", "power", "on")
+    assert dialogue.answer("ken: do cup grasp") == Do((Act("cup", "grasp"),), "ken")
+    assert dialogue.question.prompt == "what to do with room/cup"
+
+
+@pytest.mark.parametrize(
+    ("answers", "error"),
+    [
+        (["cpu"], 'no object "cpu"; did you mean cup?'),
+        (["cup", "throw"], 'no action of room/cup "throw"; there are: grasp'),
+        (["floor", "walk", "1"], 'no place x y [z] and no object "1"'),
+        (["floor", "walk", "1 2", "north"], '"north" is no degrees'),
+        (["cup", "grasp", "", "0"], '"0" is no number of frames; allowed: 1 to 1000000'),
+        (["cup", "grasp", "", "", "perhaps"], '"perhaps" is neither yes nor no'),
+        (["add", "lamp", "1 nan"], '"1 nan" is no x y [z]'),
+    ],
+)
+def test_a_wrong_answer_is_refused_and_asked_again(dialogue: Dialogue, answers: list[str], error: str) -> None:
+    talk(dialogue, *answers[:-1])
+    question = dialogue.question
+    with pytest.raises(CommandError) as caught:
+        dialogue.answer(answers[-1])
+    assert error in str(caught.value)
+    assert dialogue.question == question
