@@ -27,6 +27,7 @@ __all__ = [
     "multiply",
     "nlerp",
     "on_side_of",
+    "relative",
     "rotate",
     "saturate",
     "twist",
@@ -76,6 +77,18 @@ def conjugate(q: Quaternion) -> Quaternion:
     return (q[0], -q[1], -q[2], -q[3])
 
 
+def relative(p: Quaternion, q: Quaternion) -> Quaternion:
+    """The product p* q: q as seen from p."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return (
+        a * w + b * x + c * y + d * z,
+        a * x - b * w - c * z + d * y,
+        a * y + b * z - c * w - d * x,
+        a * z - b * y + c * x - d * w,
+    )
+
+
 def rotate(q: Quaternion, v: Vector) -> Vector:
     """The vector v turned by q: q v q* (4.8)."""
     w, a, b, c = q
@@ -109,6 +122,9 @@ def between(m: Functions, u: Vector, v: Vector) -> Quaternion:
     w = scale + dot(u, v)
     x, y, z = cross(u, v)
     opposite = w < 1e-9 * scale
+    if m is FLOATS and not opposite:  # as a rule: the rest would change nothing
+        length = m.sqrt(w * w + x * x + y * y + z * z)
+        return (w / length, x / length, y / length, z / length)
     # Any axis at right angles to u serves a half turn.
     along_x = u[0] * u[0] < 0.5 * dot(u, u)
     w = m.where(opposite, 0.0, w)
@@ -146,6 +162,8 @@ def twist(m: Functions, q: Quaternion, axis: Vector) -> Scalar:
 def saturate(m: Functions, x: Scalar, low: float, high: float, free: float = 0.7) -> Scalar:
     """x as it is within the `free` share of low < 0 < high, beyond bending smoothly towards the limit."""
     knee_high, knee_low = free * high, free * low
+    if m is FLOATS and knee_low <= x <= knee_high:  # as a rule: the rest would change nothing
+        return x
     over = m.maximum(x - knee_high, 0.0) / (high - knee_high)
     under = m.maximum(knee_low - x, 0.0) / (knee_low - low)
     inside = m.minimum(m.maximum(x, knee_low), knee_high)

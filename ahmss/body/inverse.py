@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.components import ARRAYS, FLOATS, Functions, Quaternion, Vector, conjugate, multiply, rotate
+from ahmss.body.components import ARRAYS, FLOATS, Functions, Quaternion, Vector, conjugate, multiply, relative, rotate
 from ahmss.body.gaze import solve_gaze
 from ahmss.body.limb import Goal, Limb, solve_limb
 from ahmss.body.links import INDEX
@@ -25,6 +25,8 @@ RIGHT_HAND, LEFT_HAND, RIGHT_FOOT, LEFT_FOOT, GAZE = range(5)  # rows of a targe
 
 _HIPS, _SPINE, _HEAD = INDEX["hips"], INDEX["spine"], INDEX["head"]
 _FIRST = ("right_upper_arm", "left_upper_arm", "right_upper_leg", "left_upper_leg")  # in the order of targets
+_ROWS = INDEX["left_foot"] + 1  # the body without the fingers
+_SOFT_ARM, _SOFT_LEG = 0.02, 0.008  # shares of the reach; a planted foot may give less than a hand
 _NOWHERE: Vector = (0.0, 0.0, 0.0)
 _UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -78,15 +80,15 @@ def _solve_one(measures: _Measures, out: Array, root: Array, targets: list[list[
     """Solve one pose (43, 4) in place."""
     if not (targets[0][7] or targets[1][7] or targets[2][7] or targets[3][7] or targets[4][7]):
         return
-    rows: list[Any] = out[:15].tolist()
+    rows: list[Any] = out[:_ROWS].tolist()
     body = _Body(FLOATS, measures, rows, root.tolist())
     if targets[GAZE][7] > 0.0:
         body.look(targets[GAZE])
-        out[_SPINE : _HEAD + 1] = rows[_SPINE : _HEAD + 1]
     for limb, target in zip(measures.limbs, targets, strict=False):
         if target[7] > 0.0:
             free = target[3] == target[4] == target[5] == target[6] == 0.0
-            out[limb.first : limb.first + 3] = body.reach(limb, target, free=free)
+            rows[limb.first : limb.first + 3] = body.reach(limb, target, free=free)
+    out[:_ROWS] = rows
 
 
 def _solve_many(measures: _Measures, out: Array, root: Array, targets: Array) -> None:
@@ -111,7 +113,7 @@ def _solve_many(measures: _Measures, out: Array, root: Array, targets: Array) ->
 
 def _body_of(measures: _Measures, rotations: Array, root: Array, chosen: Any) -> _Body:
     """Some poses of a batch, component by component."""
-    rows = [tuple(link) for link in np.ascontiguousarray(rotations[chosen, :15].transpose(1, 2, 0))]
+    rows = [tuple(link) for link in np.ascontiguousarray(rotations[chosen, :_ROWS].transpose(1, 2, 0))]
     return _Body(ARRAYS, measures, rows, tuple(root[chosen].T))
 
 
@@ -141,7 +143,7 @@ class _Body:
             place = rotate(conjugate(q_spine), from_spine)
             parent = multiply(parent, q_spine) if rotation is not None else parent
         if rotation is not None:
-            rotation = multiply(conjugate(parent), rotation)
+            rotation = relative(parent, rotation)
         given = (self.rows[limb.first], self.rows[limb.first + 1], self.rows[limb.first + 2])
         return solve_limb(self.m, limb, given, Goal(place, rotation, target[7]))
 
@@ -178,6 +180,7 @@ def _limb(skeleton: Skeleton, row: int, first: int) -> Limb:
         grip_conjugate=conjugate(rotation),
         turn=(float(turn[0]), float(turn[1])),
         most_bent=float(np.cos(flexion[1])),
+        soft=_SOFT_ARM if row in (RIGHT_HAND, LEFT_HAND) else _SOFT_LEG,
     )
 
 
