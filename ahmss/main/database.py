@@ -1,0 +1,313 @@
+"""The database part: from what was typed to what is to be started, by what objectdb/ and humandb/ say now."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ahmss.algorithm import messages
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.database.parameter import fill
+from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel, ObjectKind
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError, CommandError, WorkspaceError
+from ahmss.main.command import Act, Value
+from ahmss.world.schema import ObjectRecord
+from ahmss.world.view import World
+
+__all__ = ["Actor", "Database", "Order", "find_object"]
+
+_NEAR = 5.0  # metres: what an algorithm that asks for the near world is told of
+_THERE = 0.5  # metres: how far an object may be from the place by which it is named
+_ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """One motion to be made: an act with all that the database knows of it."""
+
+    object: str
+    affordance: Affordance
+    human_algorithm: AlgorithmEntry
+    object_algorithm: AlgorithmEntry | None
+    frames: int
+    after: int
+    hand: str
+    goal: messages.Goal
+    parameters: dict[str, Any]
+    object_parameters: dict[str, Any]
+
+    @property
+    def title(self) -> str:
+        """How the console calls it: `cup grasp`."""
+        return f"{self.object} {self.affordance.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Actor:
+    """The human that acts: its name in the world, its body, where it is and what it holds in which hand."""
+
+    name: str
+    skeleton: Skeleton
+    root: Array
+    rotations: Array
+    holds: dict[str, str]
+
+
+class Database:
+    """What main asks objectdb/, humandb/ and algorithms/; files are read anew when they change."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self.workspace = workspace
+
+    def human(self, body: str) -> HumanModel:
+        """A human model; the first of humandb/ where `body` is empty."""
+        names = self.workspace.humans.names()
+        if not body and not names:
+            raise WorkspaceError(
+                f"{self.workspace.root}/humandb: no human there; `ahmss init DIR` lays out a workspace"
+            )
+        return self.workspace.humans.get(body or names[0])
+
+    def order(self, act: Act, world: World, actor: Actor) -> Order:
+        """Resolve an act: its object, the action that it affords, the algorithms, the goal.
+
+        Raises:
+            CommandError: no such object or action, or a detail that it does not take; says what there is.
+            DataError: a file that it needs is wrong.
+        """
+        name = self._object_of(act, world)
+        record = world.objects[name]
+        kind = self.workspace.objects.get(record.kind)
+        affordance = _affordance(kind, name, act.action)
+        human = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
+        mover = affordance.object_algorithm
+        entry = self.workspace.algorithms.find(mover, kind.directory) if mover else None
+        title = f"{name} {act.action}"
+        _refuse_unknown(title, act.parameters, affordance, human, entry)
+        given = {**affordance.parameters, **dict(act.parameters)}
+        try:
+            parameters = fill(human.parameters, given)
+            object_parameters = fill(entry.parameters, given) if entry else {}
+        except ValueError as error:
+            raise CommandError(f"{title}: parameter {error}") from None
+        hand = _hand(act, affordance, world.pose(name), actor, name)
+        goal = self._goal(act, world, world.pose(name))
+        return Order(
+            name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
+            parameters, object_parameters,
+        )  # fmt: skip
+
+    def check(self, order: Order, world: World, actor: Actor) -> None:
+        """Whether the motion may start now: its `when`, its `needs`, and who holds the object.
+
+        Raises:
+            CommandError: it may not; says what is the matter.
+        """
+        record = world.objects.get(order.object)
+        if record is None:
+            raise CommandError(f"{order.title}: there is no {order.object} any more")
+        affordance = order.affordance
+        states = {name: value for name, value in record.states.items() if not isinstance(value, bool)}
+        if affordance.when is not None and not affordance.when.holds(states):
+            now = ", ".join(f"{name} is {value}" for name, value in states.items()) or "it has no states"
+            raise CommandError(f"{order.title}: only when {affordance.when.text}; {now}")
+        _check_needs(order, actor)
+        if affordance.hold in ("keep", "release") and order.object not in actor.holds:
+            by = f"; {record.holder} holds it" if record.holder else ""
+            raise CommandError(f"{order.title}: {actor.name} does not hold it{by}")
+        if affordance.hold == "take" and order.object in actor.holds:
+            raise CommandError(f"{order.title}: {actor.name} holds it already")
+
+    def start(self, order: Order, kind: str, world: World, actor: Actor, seed: int, rate: float) -> messages.Start:
+        """The START message of the order's human or object algorithm ("human" or "object")."""
+        entry = order.human_algorithm if kind == "human" else order.object_algorithm
+        assert entry is not None
+        record = world.objects[order.object]
+        motion = order.affordance.motion
+        return messages.Start(
+            kind="human" if kind == "human" else "object",
+            human=actor.skeleton.to_record(),
+            pose=messages.PoseRecord(_triple(actor.root), [_four(q) for q in actor.rotations]),
+            frames=order.frames,
+            rate=rate,
+            seed=seed,
+            object=self._describe(record, world),
+            site=order.affordance.site or "",
+            goal=order.goal,
+            motion=str(motion) if motion else None,
+            parameters=order.parameters if kind == "human" else order.object_parameters,
+            hand=_side(order.hand),
+            hold=_hold(order.affordance.hold),
+            world=self._surroundings(entry.world, order.object, world, actor.root),
+            directory=str(entry.directory),
+        )
+
+    def _object_of(self, act: Act, world: World) -> str:
+        """The object that an act means, by its name or by a place."""
+        if act.object:
+            return find_object(world, act.object)
+        place = np.array(act.object_place)
+        near: list[tuple[float, str]] = []
+        for name, record in world.objects.items():
+            if act.action in self._affordances(record):
+                near.append((float(np.linalg.norm(world.pose(name)[: len(place)] - place)), name))
+        distance, name = min(near, default=(math.inf, ""))
+        if distance > _THERE:
+            where = " ".join(f"{x:g}" for x in place)
+            raise CommandError(f'no object within {_THERE} m of {where} affords "{act.action}"')
+        return name
+
+    def _affordances(self, record: ObjectRecord) -> dict[str, Affordance]:
+        try:
+            return self.workspace.objects.get(record.kind).affordances
+        except AhmssError:  # a broken file hides its own kind only; who names it is told
+            return {}
+
+    def _goal(self, act: Act, world: World, pose: Array) -> messages.Goal:
+        """The goal in the world; a height that was left out is the object's own."""
+        place, target = None, None
+        if act.goal_place:
+            place = (act.goal_place[0], act.goal_place[1], (*act.goal_place, float(pose[2]))[2])
+        if act.goal_object:
+            name = find_object(world, act.goal_object)
+            target = self._describe(world.objects[name], world)
+            place = target.place
+        facing = None if act.facing_deg is None else math.radians(act.facing_deg)
+        posture = None
+        if act.posture:
+            path = self.workspace.inside(self.workspace.root, act.posture)
+            if not path.is_file():
+                raise CommandError(f'pose "{act.posture}": no such file in the workspace')
+            posture = str(path)
+        return messages.Goal(place, None, facing, posture, target)
+
+    def _describe(self, record: ObjectRecord, world: World) -> messages.ObjectRecord:
+        """An object as algorithms are told of it."""
+        kind = self.workspace.objects.get(record.kind)
+        pose = world.pose(record.name)
+        sites = {n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis)) for n, s in kind.sites.items()}
+        return messages.ObjectRecord(
+            record.id, record.name, record.kind, _triple(pose[:3]), _four(pose[3:]), sites, kind.properties,
+            dict(record.states),
+        )  # fmt: skip
+
+    def _surroundings(self, asked: str, target: str, world: World, root: Array) -> list[messages.ObjectRecord]:
+        if asked == "none":
+            return []
+        found: list[messages.ObjectRecord] = []
+        for name, record in world.objects.items():
+            if name != target and (asked == "all" or float(np.linalg.norm(world.pose(name)[:3] - root)) <= _NEAR):
+                try:
+                    found.append(self._describe(record, world))
+                except AhmssError:  # another object's broken file does not concern this motion
+                    continue
+        return found
+
+
+def find_object(world: World, name: str) -> str:
+    """The full name of an object that was named by it or by its last parts (`cup` for `room/cup`).
+
+    Raises:
+        CommandError: none of that name, or more than one.
+    """
+    if name in world.objects:
+        return name
+    meant = [full for full in world.objects if full.endswith(f"/{name}")]
+    if len(meant) == 1:
+        return meant[0]
+    if meant:
+        raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
+    near = difflib.get_close_matches(name, [full.rsplit("/", 1)[-1] for full in world.objects], 1)
+    hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(world.objects) or 'none'}"
+    raise CommandError(f'no object "{name}" in the world; {hint}')
+
+
+def _affordance(kind: ObjectKind, name: str, action: str) -> Affordance:
+    affordance = kind.affordances.get(action)
+    if affordance is None:
+        actions = ", ".join(kind.affordances) or "nothing"
+        raise CommandError(f'{name} does not afford "{action}"; it affords: {actions}')
+    return affordance
+
+
+def _refuse_unknown(
+    title: str,
+    typed: tuple[tuple[str, Value], ...],
+    affordance: Affordance,
+    human: AlgorithmEntry,
+    mover: AlgorithmEntry | None,
+) -> None:
+    """Refuse a typed parameter that neither algorithm declares and the affordance does not name."""
+    declared = [entry.parameters for entry in (human, mover) if entry is not None]
+    if any(parameters is None for parameters in declared):
+        return
+    known = {*affordance.parameters, *(name for parameters in declared for name in parameters or {})}
+    for name, _ in typed:
+        if name not in known:
+            raise CommandError(f'{title}: no parameter "{name}"; it takes: {", ".join(sorted(known)) or "none"}')
+
+
+def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str) -> str:
+    """The hand that is meant: as said, the one that holds the object, or the nearer free one where a hand is asked."""
+    if act.hand or name in actor.holds:
+        return act.hand or actor.holds[name]
+    if "hand" not in affordance.asks and affordance.hold != "take":
+        return ""
+    # The hips' z axis points back and y to the left.
+    left = rotate(actor.rotations[0], np.array([0.0, 1.0, 0.0]))
+    hand = "left" if float((pose[:3] - actor.root) @ left) > _ASIDE else "right"
+    other = "right" if hand == "left" else "left"
+    busy = set(actor.holds.values())
+    return other if hand in busy and other not in busy else hand
+
+
+def _check_needs(order: Order, actor: Actor) -> None:
+    """Refuse what this body can't do."""
+    has = {
+        "reach": reach(actor.skeleton),
+        "stature": actor.skeleton.stature,
+        "free_hands": 2.0 - len(set(actor.holds.values())),
+    }
+    for need, least in order.affordance.needs.items():
+        if has.get(need, math.inf) < least - 1e-9:
+            raise CommandError(f"{order.title}: needs {need} {least:g}; {actor.name} has {has[need]:.4g}")
+
+
+def reach(skeleton: Skeleton) -> float:
+    """How high the palm reaches with a raised arm, metres."""
+    rotations, root = skeleton.upright()
+    places, _ = forward(rotations, root, skeleton.offsets)
+    arm = float(np.linalg.norm(skeleton.offsets[INDEX["right_lower_arm"]]))
+    forearm = float(np.linalg.norm(skeleton.offsets[INDEX["right_hand"]]))
+    return float(places[INDEX["right_upper_arm"], 2]) + arm + forearm + float(skeleton.grips[0, 0])
+
+
+def _triple(v: Array) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return (x, y, z)
+
+
+def _four(q: Array) -> tuple[float, float, float, float]:
+    w, x, y, z = q.tolist()
+    return (w, x, y, z)
+
+
+def _side(hand: str) -> Any:
+    return hand if hand in ("right", "left") else ""
+
+
+def _hold(hold: str) -> Any:
+    return hold if hold in ("take", "keep", "release") else ""
+
+
+def _free(axis: str) -> Any:
+    return "z" if axis == "z" else ""
