@@ -1,0 +1,246 @@
+"""objectdb/<kind>/object.toml: its schema, and the checks that turn it into an ObjectKind."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+import numpy as np
+
+from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.database.condition import parse_condition
+from ahmss.database.document import Document, one_of
+from ahmss.database.records import Affordance, Contained, ObjectKind, Quaternion, Site, State, Vector
+from ahmss.database.workspace import Workspace
+from ahmss.errors import WorkspaceError
+
+__all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ObjectFile", "SiteEntry", "StateEntry", "read_object"]
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+Place = tuple[str | int, ...]
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "inch": 0.0254, "foot": 0.3048}
+_NEEDS = {"reach", "stature", "free_hands"}
+
+
+class _Turn(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    orientation: Quaternion | None = None
+    orientation_deg: Vector | None = None
+    facing_deg: float | None = None
+
+
+class SiteEntry(_Turn):
+    """[sites.NAME]."""
+
+    position: Vector = (0.0, 0.0, 0.0)
+    free_axis: Literal["", "z"] = ""
+
+
+class ContainedEntry(_Turn):
+    """[[contains]]."""
+
+    kind: str
+    name: str = ""
+    position: Vector = (0.0, 0.0, 0.0)
+
+
+class StateEntry(msgspec.Struct, forbid_unknown_fields=True):
+    """[states.NAME]."""
+
+    initial: str | float | None = None
+    values: list[str] = []
+    range: tuple[float, float] | None = None
+
+
+class AffordanceEntry(msgspec.Struct, forbid_unknown_fields=True):
+    """[affordances.NAME]."""
+
+    human_algorithm: str
+    object_algorithm: str | None = None
+    sentence: str = ""
+    motion: str | None = None
+    site: str | None = None
+    asks: list[Literal["goal_position", "facing", "goal_posture", "hand"]] = []
+    parameters: dict[str, Any] = {}
+    when: str | None = None
+    needs: dict[str, float] = {}
+    frames: int = 60
+    hold: Literal["", "take", "keep", "release"] = ""
+
+
+class ObjectFile(msgspec.Struct, forbid_unknown_fields=True):
+    """The top of object.toml."""
+
+    name: str | None = None
+    sentence: str = ""
+    shape: str | None = None
+    unit: Literal["m", "cm", "mm", "km", "inch", "foot"] = "m"
+    up: Literal["", "y", "z"] = ""
+    two_sided: bool | None = None
+    color: tuple[int, int, int] | None = None
+    texture: str | None = None
+    texture_layers: list[str] = []
+    texture_size: float = 0.0
+    properties: str | dict[str, Any] = {}
+    sites: dict[str, dict[str, Any]] = {}
+    affordances: dict[str, dict[str, Any]] = {}
+    states: dict[str, dict[str, Any]] = {}
+    contains: list[dict[str, Any]] = []
+
+
+def read_object(workspace: Workspace, path: Path, files: set[Path]) -> ObjectKind:
+    """The kind that object.toml at `path` describes; every file read is added to `files`.
+
+    Raises:
+        DataError: names the file, the key with its line, and what is allowed.
+    """
+    reader = _Reader(workspace, Document(path, workspace.label(path)))
+    return reader.kind(files)
+
+
+class _Reader:
+    """Turns one object.toml into an ObjectKind."""
+
+    def __init__(self, workspace: Workspace, document: Document) -> None:
+        self.workspace, self.document = workspace, document
+        self.folder = document.path.parent
+        self.error = document.error
+
+    def kind(self, files: set[Path]) -> ObjectKind:
+        top = self.document.convert(self.document.data, ObjectFile)
+        name = self.folder.name
+        if top.name is not None and top.name != name:
+            raise self.error(("name",), f'"{top.name}" is not the name of its folder, "{name}"; make them the same')
+        if top.texture_size < 0.0:
+            raise self.error(("texture_size",), "is negative; give metres a picture, or 0 to fit it once")
+        if top.color and not all(0 <= c <= 255 for c in top.color):
+            raise self.error(("color",), "is [red, green, blue], each 0 to 255")
+        states = self._states(top)
+        sites = {n: self._site(v, ("sites", n)) for n, v in top.sites.items()}
+        return ObjectKind(
+            name=name, directory=self.folder, sentence=top.sentence,
+            shape=self._path(top.shape, ("shape",)), unit=top.unit, up=top.up, two_sided=top.two_sided,
+            color=top.color, texture=self._path(top.texture, ("texture",)),
+            texture_layers=tuple(top.texture_layers), texture_size=top.texture_size,
+            properties=self._properties(top.properties, files), sites=sites, states=states,
+            affordances={n: self._affordance(n, v, sites, states) for n, v in top.affordances.items()},
+            contains=self._contains(top),
+        )
+
+    def _path(self, text: str | None, place: Place) -> Path | None:
+        if text is None:
+            return None
+        try:
+            return self.workspace.inside(self.folder, text)
+        except WorkspaceError as error:
+            raise self.error(place, str(error)) from None
+
+    def _properties(self, value: str | dict[str, Any], files: set[Path]) -> dict[str, Any]:
+        if isinstance(value, dict):
+            return value
+        path = self._path(value, ("properties",))
+        assert path is not None
+        files.add(path)
+        if not path.exists():
+            raise self.error(("properties",), f'no file "{value}"')
+        return Document(path, self.workspace.label(path)).data
+
+    def _name(self, name: str, place: Place) -> str:
+        if not NAME.fullmatch(name):
+            raise self.error(place, f'"{name}" is no name; use letters, digits, _ and -, a letter first')
+        return name
+
+    def _rotation(self, entry: _Turn, place: Place) -> Quaternion:
+        """The one of orientation (wxyz), orientation_deg (about x, then y, then z) and facing_deg that is given."""
+        given = [key for key in ("orientation", "orientation_deg", "facing_deg") if getattr(entry, key) is not None]
+        if len(given) > 1:
+            raise self.error((*place, given[1]), f"{given[0]} says it already; give one of them")
+        if entry.orientation is not None:
+            q = np.array(entry.orientation, float)
+            length = float(np.linalg.norm(q))
+            if abs(length - 1.0) > 1e-3:
+                raise self.error(
+                    (*place, "orientation"), f"has length {length:.4g}; a rotation is [w, x, y, z] of length 1"
+                )
+            q = q / length
+        else:
+            turns = entry.orientation_deg or (0.0, 0.0, entry.facing_deg or 0.0)
+            x, y, z = (from_axis_angle(axis, np.radians(turn)) for axis, turn in zip(np.eye(3), turns, strict=True))
+            q = multiply(z, multiply(y, x))
+        return (float(q[0]), float(q[1]), float(q[2]), float(q[3]))
+
+    def _site(self, raw: dict[str, Any], place: Place) -> Site:
+        self._name(str(place[-1]), place)
+        entry = self.document.convert(raw, SiteEntry, place)
+        return Site(entry.position, self._rotation(entry, place), entry.free_axis)
+
+    def _states(self, top: ObjectFile) -> dict[str, State]:
+        out: dict[str, State] = {}
+        for name, raw in top.states.items():
+            place: Place = ("states", self._name(name, ("states", name)))
+            entry = self.document.convert(raw, StateEntry, place)
+            if bool(entry.values) == (entry.range is not None):
+                raise self.error(place, 'a state has either values = ["off", "on"] or range = [0.0, 1.0]')
+            low, high = entry.range or (0.0, 0.0)
+            if low > high:
+                raise self.error((*place, "range"), f"{low:g} is more than {high:g}; write the lower one first")
+            first = entry.values[0] if entry.values else low
+            state = State(first, tuple(entry.values), low, high)
+            initial = state.parse(first if entry.initial is None else entry.initial)
+            if initial is None:
+                raise self.error((*place, "initial"), f"{entry.initial!r} is not among: {state.allowed}")
+            out[name] = msgspec.structs.replace(state, initial=initial)
+        return out
+
+    def _contains(self, top: ObjectFile) -> tuple[Contained, ...]:
+        out: dict[str, Contained] = {}
+        for i, raw in enumerate(top.contains):
+            place: Place = ("contains", i)
+            entry = self.document.convert(raw, ContainedEntry, place)
+            self._name(entry.kind, (*place, "kind"))
+            name = self._name(entry.name or entry.kind, (*place, "name"))
+            if name in out:
+                raise self.error((*place, "name"), f'there is a "{name}" already; give each its own name')
+            out[name] = Contained(entry.kind, name, entry.position, self._rotation(entry, place))
+        return tuple(out.values())
+
+    def _affordance(
+        self, name: str, raw: dict[str, Any], sites: dict[str, Site], states: dict[str, State]
+    ) -> Affordance:
+        place: Place = ("affordances", self._name(name, ("affordances", name)))
+        entry = self.document.convert(raw, AffordanceEntry, place)
+        if entry.site is not None and entry.site not in sites:
+            have = ", ".join(sites) or "none"
+            raise self.error((*place, "site"), f'no site "{entry.site}"; this object has: {have}')
+        if not 1 <= entry.frames <= 100_000:
+            raise self.error((*place, "frames"), f"{entry.frames} frames; allowed: 1 to 100000")
+        for need in entry.needs:
+            if need not in _NEEDS:
+                raise self.error((*place, "needs", need), f'no need "{need}"{one_of(need, _NEEDS)}')
+        if entry.hold == "take" and entry.object_algorithm is None:
+            raise self.error((*place, "hold"), '"take" wants an object_algorithm that moves what is held')
+        for key in ("human_algorithm", "object_algorithm"):
+            if getattr(entry, key) is not None:
+                self._name(getattr(entry, key), (*place, key))
+        return Affordance(
+            name=name, human_algorithm=entry.human_algorithm, object_algorithm=entry.object_algorithm,
+            sentence=entry.sentence, motion=self._path(entry.motion, (*place, "motion")), site=entry.site,
+            asks=tuple(entry.asks), parameters=entry.parameters, when=self._when(entry.when, states, (*place, "when")),
+            needs=entry.needs, frames=entry.frames, hold=entry.hold,
+        )
+
+    def _when(self, text: str | None, states: dict[str, State], place: Place) -> Any:
+        if text is None:
+            return None
+        try:
+            condition = parse_condition(text)
+        except ValueError as error:
+            raise self.error(place, str(error)) from None
+        for clause in condition.clauses():
+            state = states.get(clause.state)
+            if state is None:
+                raise self.error(place, f'no state "{clause.state}"; this object has: {", ".join(states) or "none"}')
+            if state.values and clause.value not in state.values:
+                raise self.error(place, f'"{clause.state}" is never "{clause.value}"; allowed: {state.allowed}')
+        return condition

@@ -1,0 +1,89 @@
+"""Typed parameters of an algorithm: what algorithm.toml declares, object.toml gives and a person types."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+
+__all__ = ["Parameter", "fill"]
+
+TYPES = ("float", "int", "bool", "str", "floats")
+
+
+class Parameter(msgspec.Struct, frozen=True):
+    """One parameter: its type (float, int, bool, str, floats), default and range; no default: it must be given."""
+
+    type: str
+    default: Any = None
+    minimum: float | None = None
+    maximum: float | None = None
+    unit: str = ""
+    sentence: str = ""
+
+    def convert(self, value: Any) -> Any:
+        """A value out of TOML, or typed as text, as this parameter takes it.
+
+        Raises:
+            ValueError: it has another type or is out of range; the message says what is allowed.
+        """
+        out = self._typed(value)
+        for number in out if isinstance(out, list) else [out]:
+            low = self.minimum is not None and number < self.minimum
+            if low or (self.maximum is not None and number > self.maximum):
+                raise ValueError(f"{number:g} is out of range; allowed: {self._range()}")
+        return out
+
+    def _typed(self, value: Any) -> Any:
+        if self.type == "str":
+            if isinstance(value, str):
+                return value
+        elif self.type == "bool":
+            if isinstance(value, bool) or value in ("true", "false"):
+                return value in (True, "true")
+        elif self.type == "floats":
+            items = value.split(",") if isinstance(value, str) else value
+            if isinstance(items, list):
+                return [self._number(item) for item in items]  # pyright: ignore[reportUnknownVariableType]
+        else:
+            number = self._number(value)
+            if self.type == "float" or number == int(number):
+                return number if self.type == "float" else int(number)
+        raise ValueError(f"{value!r} is no {self.type}")
+
+    def _number(self, value: Any) -> float:
+        try:
+            number = float("nan") if isinstance(value, bool) else float(value)
+        except (TypeError, ValueError):
+            number = float("nan")
+        if number - number != 0.0:
+            raise ValueError(f"{value!r} is no finite number")
+        return number
+
+    def _range(self) -> str:
+        low = "any" if self.minimum is None else f"{self.minimum:g}"
+        high = "any" if self.maximum is None else f"{self.maximum:g}"
+        return f"{low} to {high}" + (f" {self.unit}" if self.unit else "")
+
+
+def fill(declared: Mapping[str, Parameter] | None, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The values that an algorithm gets: those given that it declares, converted, and its defaults for the rest.
+
+    Raises:
+        ValueError: one has the wrong type, or one without a default is missing; the message starts with its name.
+    """
+    if declared is None:
+        return dict(given)
+    out: dict[str, Any] = {}
+    for name, parameter in declared.items():
+        if name in given:
+            try:
+                out[name] = parameter.convert(given[name])
+            except ValueError as error:
+                raise ValueError(f"{name}: {error}") from None
+        elif parameter.default is not None:
+            out[name] = parameter.default
+        else:
+            raise ValueError(f"{name}: missing; it is {parameter.type} without a default")
+    return out

@@ -1,0 +1,158 @@
+"""What the database hands out: frozen records, metres and radians, rotations wxyz.
+
+One record a kind serves all objects of that kind; what differs between two of them (pose, states, who holds it) is in
+the world, not here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from ahmss.body.skeleton import Skeleton
+from ahmss.database.condition import Condition
+from ahmss.database.parameter import Parameter
+
+__all__ = [
+    "Affordance",
+    "AlgorithmEntry",
+    "Contained",
+    "HumanModel",
+    "ObjectKind",
+    "Quaternion",
+    "Site",
+    "State",
+    "Vector",
+]
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+class Site(msgspec.Struct, frozen=True):
+    """A named frame on an object, in the object's frame.
+
+    With `free_axis = "z"` the site's turn about its z axis is free: an algorithm turns it so that its x points away
+    from the acting human.
+    """
+
+    position: Vector = (0.0, 0.0, 0.0)
+    rotation: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    free_axis: str = ""
+
+
+class State(msgspec.Struct, frozen=True):
+    """What may be true of an object: one of `values`, or a number from `low` to `high`."""
+
+    initial: str | float
+    values: tuple[str, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+
+    def parse(self, value: str | float) -> str | float | None:
+        """A value as this state takes it, or None where it can't be one."""
+        if self.values:
+            return str(value) if str(value) in self.values else None
+        try:
+            number = float(value)
+        except ValueError:
+            return None
+        return number if self.low <= number <= self.high else None
+
+    @property
+    def allowed(self) -> str:
+        """`off, on` or `0 to 1.57`, for a message."""
+        return ", ".join(self.values) if self.values else f"{self.low:g} to {self.high:g}"
+
+
+class Affordance(msgspec.Struct, frozen=True):
+    """One action that an object affords: with which algorithms, data, place on it, and under which conditions.
+
+    asks: what the dialogue asks besides the number of frames, of goal_position, facing, goal_posture, hand.
+    needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands (0 to 2).
+    hold: "" (an object algorithm claims the object for the motion only), "take" (the object is claimed and its
+    algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go).
+    """
+
+    name: str
+    human_algorithm: str
+    object_algorithm: str | None = None
+    sentence: str = ""
+    motion: Path | None = None
+    site: str | None = None
+    asks: tuple[str, ...] = ()
+    parameters: dict[str, Any] = {}
+    when: Condition | None = None
+    needs: dict[str, float] = {}
+    frames: int = 60
+    hold: str = ""
+
+
+class Contained(msgspec.Struct, frozen=True):
+    """An object that is part of another: its kind, its name there, and its pose in the other's frame."""
+
+    kind: str
+    name: str
+    position: Vector = (0.0, 0.0, 0.0)
+    rotation: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+class ObjectKind(msgspec.Struct, frozen=True):
+    """All that is common to the objects of one kind (figure 4.12 of the thesis)."""
+
+    name: str
+    directory: Path
+    sentence: str = ""
+    shape: Path | None = None
+    unit: str = "m"
+    up: str = ""
+    two_sided: bool | None = None
+    color: tuple[int, int, int] | None = None
+    texture: Path | None = None
+    texture_layers: tuple[str, ...] = ()
+    texture_size: float = 0.0
+    properties: dict[str, Any] = {}
+    sites: dict[str, Site] = {}
+    affordances: dict[str, Affordance] = {}
+    states: dict[str, State] = {}
+    contains: tuple[Contained, ...] = ()
+
+    @property
+    def initial_states(self) -> dict[str, str | float]:
+        """The states of a new object of this kind."""
+        return {name: state.initial for name, state in self.states.items()}
+
+    def afforded(self, states: Mapping[str, str | float]) -> dict[str, Affordance]:
+        """The affordances whose `when` holds in these states."""
+        return {n: a for n, a in self.affordances.items() if a.when is None or a.when.holds(states)}
+
+
+class AlgorithmEntry(msgspec.Struct, frozen=True):
+    """A program that makes motion: how to start it and what it takes.
+
+    kind: "human", "object", or "" where nothing says (a bare executable). argv: the first is "python" for the pool,
+    else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
+    parameters: None where nothing declares them: then any will do.
+    """
+
+    name: str
+    kind: str
+    argv: tuple[str, ...]
+    directory: Path
+    sentence: str = ""
+    parameters: dict[str, Parameter] | None = None
+    world: str = "near"
+
+
+class HumanModel(msgspec.Struct, frozen=True):
+    """A human of humandb/: its skeleton and what it looks like (a GLB skinned to the 43 links in their order)."""
+
+    name: str
+    skeleton: Skeleton
+    shape: Path
+    directory: Path
+    texture: Path | None = None
+    sentence: str = ""
