@@ -1,0 +1,158 @@
+"""A poser: a standing pose from a few numbers that a person can think in, its feet planted and its weight over them.
+
+Everything is in the stance frame: origin between the feet on the floor, x ahead, y left, z up; metres, and degrees.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.inverse import LEFT_HAND, RIGHT_HAND, solve
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX, LINKS
+from ahmss.body.quaternion import from_axis_angle, from_rotation_vector, multiply, rotate
+from ahmss.body.skeleton import Skeleton
+
+__all__ = ["Arm", "Fingers", "Posture", "centre_of_mass", "pose"]
+
+_FOOT_APART = 0.056  # of stature, from the middle to each ankle
+_TOE_OUT = 6.0
+_SIDES = (("right", 1.0), ("left", -1.0))  # side and the sign of a turn about the links' x and z axes
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm by its joints, degrees: upper arm forward, aside and turned in; elbow; forearm turned in; wrist."""
+
+    forward: float = 3.0
+    aside: float = 8.0
+    turn_in: float = 5.0
+    elbow: float = 14.0
+    pronate: float = 12.0
+    wrist_back: float = 0.0
+    wrist_up: float = 0.0
+
+
+@dataclass(frozen=True)
+class Fingers:
+    """A hand by its fingers, degrees: flexion at the three joints, the thumb's turn to the palm and its bend."""
+
+    knuckle: float = 25.0
+    middle: float = 35.0
+    end: float = 15.0
+    thumb: float = 15.0
+    thumb_bend: float = 12.0
+    thumb_away: float = 10.0
+    spread: float = 3.0
+
+
+@dataclass(frozen=True)
+class Posture:
+    """A standing posture. `shift` moves the weight (ahead, left) from the middle of the ankles; `drop` lowers the hips by
+    a share of stature.
+
+    The trunk's numbers are degrees: lean ahead, turn to the left, tilt to the left; the head's against the trunk.
+    `grips` are wanted hand frames (place 3, quaternion 4) by side.
+    """
+
+    shift: tuple[float, float] = (0.035, 0.0)
+    drop: float = 0.0007
+    hips_lean: float = 0.0
+    hips_turn: float = 0.0
+    hips_tilt: float = 0.0
+    lean: float = 0.0
+    turn: float = 0.0
+    tilt: float = 0.0
+    nod: float = 0.0
+    head_turn: float = 0.0
+    head_tilt: float = 0.0
+    right_arm: Arm = Arm()
+    left_arm: Arm = Arm()
+    right_fingers: Fingers = Fingers()
+    left_fingers: Fingers = Fingers()
+    grips: dict[str, Array] = field(default_factory=dict[str, Array])
+
+
+def pose(skeleton: Skeleton, posture: Posture) -> tuple[Array, Array]:
+    """The posture as rotations (43, 4) and root (3,), feet on z = 0, weight where `shift` says."""
+    rotations, upright = skeleton.upright()
+    _trunk(rotations, posture)
+    for side, sign in _SIDES:
+        arm: Arm = getattr(posture, f"{side}_arm")
+        fingers: Fingers = getattr(posture, f"{side}_fingers")
+        _arm(rotations, side, sign, arm)
+        _fingers(rotations, side, sign, fingers)
+        _turned(rotations, f"{side}_upper_leg", (0, sign * _TOE_OUT))
+    root = upright - np.array([0.0, 0.0, posture.drop * skeleton.stature])
+    return _balance(skeleton, rotations, root, posture)
+
+
+def _turned(rotations: Array, link: str, *turns: tuple[int, float]) -> None:
+    """Turn a link in place about its own axes (0 x, 1 y, 2 z), degrees, one after the other."""
+    for axis, degrees in turns:
+        turn = from_axis_angle(np.eye(3)[axis], np.radians(degrees))
+        rotations[INDEX[link]] = multiply(rotations[INDEX[link]], turn)
+
+
+def _trunk(rotations: Array, posture: Posture) -> None:
+    """Hips, spine and head; their x is up, y left, z back."""
+    _turned(rotations, "hips", (0, posture.hips_turn), (1, posture.hips_lean), (2, posture.hips_tilt))
+    _turned(rotations, "spine", (0, posture.turn), (1, posture.lean), (2, posture.tilt))
+    _turned(rotations, "head", (0, posture.head_turn), (1, posture.nod), (2, posture.head_tilt))
+
+
+def _arm(rotations: Array, side: str, sign: float, arm: Arm) -> None:
+    """An arm's links; their x is down, y right, z back."""
+    _turned(rotations, f"{side}_upper_arm", (1, arm.forward), (2, sign * arm.aside), (0, -sign * arm.turn_in))
+    _turned(rotations, f"{side}_lower_arm", (1, arm.elbow), (0, -sign * arm.pronate))
+    _turned(rotations, f"{side}_hand", (2, sign * arm.wrist_back), (1, arm.wrist_up))
+
+
+def _fingers(rotations: Array, side: str, sign: float, fingers: Fingers) -> None:
+    """The fingers; flexion is about -z on the right, the spread about y."""
+    across = {"index": 1.0, "middle": 0.2, "ring": -0.6, "little": -1.4}
+    for i, segment in enumerate(("proximal", "intermediate", "distal")):
+        flexion = (fingers.knuckle, fingers.middle, fingers.end)[i]
+        for n, (finger, place) in enumerate(across.items()):
+            turns = [(1, fingers.spread * place)] if i == 0 else []
+            _turned(rotations, f"{side}_{finger}_{segment}", *turns, (2, -sign * flexion * (0.94 + 0.05 * n)))
+    _turned(rotations, f"{side}_thumb_proximal", (1, fingers.thumb_away), (2, -sign * fingers.thumb))
+    _turned(rotations, f"{side}_thumb_distal", (2, -sign * fingers.thumb_bend))
+
+
+def _balance(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture) -> tuple[Array, Array]:
+    """Move the hips until the weight stands where it should, legs and hands following."""
+    wanted = np.array(posture.shift)
+    for _ in range(12):
+        solved = _solved(skeleton, rotations, root, posture)
+        error = wanted - centre_of_mass(skeleton, solved, root)[:2]
+        root = root + np.array([*error, 0.0])
+    return _solved(skeleton, rotations, root, posture), root
+
+
+def _solved(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture) -> Array:
+    targets = np.zeros((5, 8))
+    targets[2:4, :7], targets[2:4, 7] = foot_frames(skeleton), 1.0
+    for row, side in ((RIGHT_HAND, "right"), (LEFT_HAND, "left")):
+        if side in posture.grips:
+            targets[row, :7], targets[row, 7] = posture.grips[side], 1.0
+    return solve(skeleton, rotations, root, targets)
+
+
+def foot_frames(skeleton: Skeleton) -> Array:
+    """The feet (2, 7), right and left, of the one stance: a little apart, toes a little out."""
+    frames = np.zeros((2, 7))
+    for row, (_, sign) in enumerate(_SIDES):
+        frames[row, :3] = 0.0, -sign * _FOOT_APART * skeleton.stature, -float(skeleton.soles[:, 2].min())
+        frames[row, 3:] = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.radians(-sign * _TOE_OUT))
+    return frames
+
+
+def centre_of_mass(skeleton: Skeleton, rotations: Array, root: Array) -> Array:
+    """The body's centre of mass (..., 3): each link's mass half way along it."""
+    places, world = forward(rotations, root, skeleton.offsets)
+    middles = places + rotate(world, 0.5 * skeleton.tips)
+    return np.einsum("l,...lc->...c", skeleton.mass / skeleton.mass.sum(), middles)
