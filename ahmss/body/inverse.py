@@ -19,7 +19,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import ShapeError
 
-__all__ = ["GAZE", "LEFT_FOOT", "LEFT_HAND", "RIGHT_FOOT", "RIGHT_HAND", "grips", "solve"]
+__all__ = ["GAZE", "LEFT_FOOT", "LEFT_HAND", "RIGHT_FOOT", "RIGHT_HAND", "ends", "grips", "solve"]
 
 RIGHT_HAND, LEFT_HAND, RIGHT_FOOT, LEFT_FOOT, GAZE = range(5)  # rows of a targets array
 
@@ -38,7 +38,6 @@ class _Measures(NamedTuple):
     spine: Vector
     head: Vector
     eye: Vector
-    grip_rotations: tuple[Quaternion, Quaternion]
 
 
 def solve(skeleton: Skeleton, rotations: Array, root: Array, targets: Array) -> Array:
@@ -160,8 +159,7 @@ _ON_SPINE = (INDEX["right_upper_arm"], INDEX["left_upper_arm"])
 def _measures(skeleton: Skeleton) -> _Measures:
     limbs = tuple(_limb(skeleton, row, INDEX[name]) for row, name in enumerate(_FIRST))
     offsets = skeleton.offsets
-    turns = (conjugate(limbs[RIGHT_HAND].grip_conjugate), conjugate(limbs[LEFT_HAND].grip_conjugate))
-    return _Measures(limbs, _floats(offsets[_SPINE]), _floats(offsets[_HEAD]), _floats(skeleton.eye), turns)
+    return _Measures(limbs, _floats(offsets[_SPINE]), _floats(offsets[_HEAD]), _floats(skeleton.eye))
 
 
 def _limb(skeleton: Skeleton, row: int, first: int) -> Limb:
@@ -197,28 +195,42 @@ def grips(skeleton: Skeleton, rotations: Array, root: Array) -> Array:
         rotations: (..., 43, 4) unit quaternions, parent <- child.
         root: (..., 3) metres, world.
     """
+    return _ends(skeleton, rotations, root, _HANDS)
+
+
+def ends(skeleton: Skeleton, rotations: Array, root: Array) -> Array:
+    """What meets the targets (..., 4, 7): grip frames of right and left hand, ankles of right and left foot, world."""
+    return _ends(skeleton, rotations, root, _HANDS_AND_FEET)
+
+
+_HANDS, _HANDS_AND_FEET = slice(0, 2), slice(0, 4)  # of the limbs
+
+
+def _ends(skeleton: Skeleton, rotations: Array, root: Array, chosen: slice) -> Array:
     measures = _measures(skeleton)
     if rotations.ndim == 2:
-        return np.array(_grips(measures, rotations[:12].tolist(), root.tolist()))
-    rows = [tuple(np.moveaxis(rotations[..., link, :], -1, 0)) for link in range(12)]
-    frames = _grips(measures, rows, tuple(np.moveaxis(root, -1, 0)))
+        return np.array(_chains(measures, chosen, rotations[:_ROWS].tolist(), root.tolist()))
+    rows = [tuple(np.moveaxis(rotations[..., link, :], -1, 0)) for link in range(_ROWS)]
+    frames = _chains(measures, chosen, rows, tuple(np.moveaxis(root, -1, 0)))
     return np.stack([np.stack(frame, axis=-1) for frame in frames], axis=-2)
 
 
-def _grips(measures: _Measures, rows: Any, root: Any) -> list[Any]:
-    """Place and rotation of both grips, component by component, along the arms only."""
-    q_spine = multiply(rows[_HIPS], rows[_SPINE])
-    spine = _add(root, rotate(rows[_HIPS], measures.spine))
+def _chains(measures: _Measures, chosen: slice, rows: Any, root: Any) -> list[Any]:
+    """Place and rotation of the ends of some limbs, component by component, along their chains only."""
+    q_hips = rows[_HIPS]
+    q_spine = multiply(q_hips, rows[_SPINE])
+    spine = _add(root, rotate(q_hips, measures.spine))
     frames: list[Any] = []
-    for limb, q_hand_grip in zip(measures.limbs[:2], measures.grip_rotations, strict=True):
-        q_upper = multiply(q_spine, rows[limb.first])
+    for limb in measures.limbs[chosen]:
+        place, q_parent = (spine, q_spine) if limb.first in _ON_SPINE else (root, q_hips)
+        q_upper = multiply(q_parent, rows[limb.first])
         q_lower = multiply(q_upper, rows[limb.first + 1])
-        q_hand = multiply(q_lower, rows[limb.first + 2])
-        place = _add(spine, rotate(q_spine, limb.base))
+        q_end = multiply(q_lower, rows[limb.first + 2])
+        place = _add(place, rotate(q_parent, limb.base))
         place = _add(place, rotate(q_upper, limb.upper))
         place = _add(place, rotate(q_lower, limb.lower))
-        place = _add(place, rotate(q_hand, limb.grip))
-        frames.append((*place, *multiply(q_hand, q_hand_grip)))
+        place = _add(place, rotate(q_end, limb.grip))
+        frames.append((*place, *multiply(q_end, conjugate(limb.grip_conjugate))))
     return frames
 
 

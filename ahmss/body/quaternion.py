@@ -30,11 +30,21 @@ __all__ = [
 
 IDENTITY: Array = np.array([1.0, 0.0, 0.0, 0.0])
 _CONJUGATE: Array = np.array([1.0, -1.0, -1.0, -1.0])
+# (4.4) as a table: what q[j] adds to p's factor i of component k. For a few quaternions two calls beat twenty-eight.
+_TIMES: Array = np.array([
+    [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
+    [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0],
+    [0, 0, 1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0, -1, 0, 0],
+    [0, 0, 0, 1, 0, 0, -1, 0, 0, 1, 0, 0, -1, 0, 0, 0],
+], float)  # fmt: skip
+_FEW = 1000
 _NEARLY_PARALLEL = 1.0 - 1e-9  # above this cosine sin(theta) loses its digits and the chord serves
 
 
 def multiply(p: Array, q: Array) -> Array:
     """The product p q of (..., 4) quaternions (4.4): first the rotation q, then p."""
+    if q.size < _FEW:
+        return np.einsum("...i,...ik->...k", p, (q @ _TIMES).reshape(*q.shape[:-1], 4, 4))
     pw, px, py, pz = p[..., 0], p[..., 1], p[..., 2], p[..., 3]
     qw, qx, qy, qz = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     out = np.empty(np.broadcast_shapes(p.shape, q.shape))

@@ -44,14 +44,15 @@ class ClipHeader(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     origin: where the motion comes from. human: whose proportions it was made for ("" = nobody's).
     frame: what the poses are relative to, the human's floor frame at frame 0 or the object's frame.
-    targets: what the targets are relative to. times: (0, 1] of each keyframe, only for keyframe clips.
+    targets: what the targets are relative to; "face" is the head link's axes at the eyes.
+    times: (0, 1] of each keyframe, only for keyframe clips.
     """
 
     version: int = VERSION
     origin: str = ""
     human: str = ""
     frame: Literal["human", "object"] = "human"
-    targets: Literal["site", "human", "object"] = "site"
+    targets: Literal["site", "human", "object", "face"] = "site"
     times: tuple[float, ...] | None = None
 
 
