@@ -21,7 +21,7 @@ class Shelf:
         return Listing("kinds", (("cup", "a cup"), ("lamp", "a lamp")))
 
     def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:
-        return (("goal_position", "facing"), 120) if action == "walk" else (("hand",), 60)
+        return (("goal_position", "facing"), 120) if (name, action) == ("room/floor", "walk") else (("hand",), 60)
 
 
 @pytest.fixture

@@ -1,0 +1,142 @@
+"""The communication part: the one human's line to the virtual-space server, and the world as it is seen from here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.skeleton import Skeleton
+from ahmss.database.shape import Shape
+from ahmss.database.workspace import Workspace
+from ahmss.errors import WorldError
+from ahmss.main.command import Add
+from ahmss.world.client import WorldClient
+from ahmss.world.link import Pending
+from ahmss.world.schema import Claim, NewObject, ObjectRecord, Release
+from ahmss.world.view import World
+
+__all__ = ["Communication"]
+
+
+class Communication:
+    """Sends what main's human does and knows what the others do.
+
+    A snapshot is some frames old when it comes; of what this human moved last its own word is newer and counts.
+    """
+
+    def __init__(self, client: WorldClient, human: str, *, fast: bool = False) -> None:
+        self.client, self.human = client, human
+        self.fast = fast
+        self.frame = 0
+        self._own: dict[str, tuple[int, Array]] = {}
+
+    @property
+    def world(self) -> World:
+        """The newest world."""
+        return self.client.world
+
+    def join(self, body: str, skeleton: Skeleton, shape: Shape, root: Array, rotations: Array, group: str) -> None:
+        """Enter the world in a pose."""
+        texture = shape.texture.data if shape.texture else b""
+        self.client.join(
+            self.human, body, root, rotations,
+            skeleton=skeleton.to_record(), shape=shape.glb, texture=texture, group=group,
+        )  # fmt: skip
+        self.client.refresh()
+
+    def update(self) -> World:
+        """Take in what has come; in lockstep wait until the world has completed the frame before."""
+        if self.fast:
+            return self.client.collect()
+        world = self.client.poll()
+        if self._own:
+            self._forget()
+        return world
+
+    def publish(self, root: Array, rotations: Array, moved: Array | None) -> None:
+        """One world frame: the human and the objects that it moves, (m, 8) rows of id, place, rotation."""
+        self.frame += 1
+        self.client.publish(self.human, self.frame, root, rotations, moved)
+
+    def pose(self, name: str) -> Array:
+        """Where an object is (7,): where this human put it last, or where the world has it."""
+        own = self._own.get(name)
+        return own[1] if own else self.world.pose(name)
+
+    def put(self, name: str, pose: Array) -> None:
+        """This human has moved an object it holds, in the frame that is published next."""
+        if not self.fast:  # in lockstep the world itself is as new as this
+            self._own[name] = (self.frame + 1, pose)
+
+    def complaints(self) -> list[str]:
+        """What the server refused since the last time."""
+        said = list(dict.fromkeys(self.client.refusals))
+        self.client.refusals.clear()
+        return said
+
+    def add(self, add: Add, workspace: Workspace) -> list[ObjectRecord]:
+        """Add an object and all that it contains, with their shapes.
+
+        Raises:
+            AhmssError: a file is wrong, or the server refused; says why.
+        """
+        workspace.objects.get(add.kind)
+        name = add.name or _free_name(add.kind, self.world.objects)
+        half = np.radians(add.facing_deg) / 2.0
+        x, y, z = (float(v) for v in (*add.place, 0.0)[:3])
+        rotation = (float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
+        new: list[NewObject] = []
+        for placed in workspace.objects.place(add.kind, name, (x, y, z), rotation):
+            shape = workspace.objects.shape(placed.kind)
+            hashes = ("", "")
+            if shape is not None:
+                texture = self.client.put_asset(shape.texture.data) if shape.texture else ""
+                hashes = (self.client.put_asset(shape.glb), texture)
+            kind = workspace.objects.get(placed.kind)
+            new.append(NewObject(
+                placed.name, placed.kind, placed.local_position, placed.local_rotation, placed.parent, *hashes,
+                states=dict(kind.initial_states),
+            ))  # fmt: skip
+        records = self.client.add(new)
+        self.client.refresh()
+        return records
+
+    def claim(self, name: str, hand: str) -> Pending:
+        """Ask that only this human moves an object from now on."""
+        return self.client.begin(Claim(self.human, [name], hand))
+
+    def release(self, name: str) -> Pending:
+        """Let an object go."""
+        return self.client.begin(Release(self.human, [name]))
+
+    def sync(self, line: str, names: Sequence[str]) -> Pending:
+        """Come to a line of the script."""
+        return self.client.sync(self.human, line, names)
+
+    def leave(self, *, stay: bool) -> None:
+        """Leave the world; with `stay` the body stays standing."""
+        try:
+            self.client.leave(self.human, stay=stay)
+        except WorldError:  # a server that is gone has nobody to say goodbye to
+            return
+
+    def _forget(self) -> None:
+        """Forget the own word on objects once the world shows the frame in which they were put there."""
+        world = self.world
+        if self.human not in world.humans:
+            return
+        row = np.flatnonzero(world.human_ids == world.humans[self.human].id)
+        if len(row):
+            shown = int(world.human_frames[row[0]])
+            self._own = {name: own for name, own in self._own.items() if own[0] > shown}
+
+
+def _free_name(kind: str, taken: Iterable[str]) -> str:
+    """The kind's own name, or with a number behind it."""
+    names = set(taken)
+    name, number = kind, 2
+    while name in names:
+        name, number = f"{kind}_{number}", number + 1
+    return name
