@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.blending import blend, blend_root
@@ -16,6 +17,7 @@ from ahmss.body.inertialisation import Inertialiser
 from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
+from ahmss.body.target_inertialisation import TargetInertialiser
 
 __all__ = ["Blending", "Contribution"]
 
@@ -25,6 +27,22 @@ _NOBODY = 1e-12
 _LEAST = 1e-3  # the importance that a target has at least, for the sake of a motion that gives a target alone
 _JUMP = 0.2  # a joint of which more than this share changes hands in one frame has a new source
 _NO_TARGETS = np.zeros((5, 8))
+_NOTHING = np.zeros(49)
+_NO_JOINT, _NO_END = np.zeros(43, bool), np.zeros(5, bool)
+_WEIGHTS = slice(227, 260, 8)
+_DRIVEN_IMPORTANCE = 176 + _DRIVEN
+_CHAINS = tuple(
+    [INDEX[name] for name in chain]
+    for chain in (
+        ("right_upper_arm", "right_lower_arm", "right_hand"),
+        ("left_upper_arm", "left_lower_arm", "left_hand"),
+        ("right_upper_leg", "right_lower_leg", "right_foot"),
+        ("left_upper_leg", "left_lower_leg", "left_foot"),
+        ("spine", "head"),
+    )
+)
+
+Rows = NDArray[np.bool_]
 
 
 class Contribution:
@@ -53,7 +71,8 @@ class Blending:
 
     def __init__(self, skeleton: Skeleton, rotations: Array, root: Array, rate: float) -> None:
         self.skeleton = skeleton
-        self._inertialiser = Inertialiser(skeleton, rate)
+        self._inertialiser = Inertialiser(rate)
+        self._targets = TargetInertialiser(skeleton, rate)
         self.place(rotations, root)
 
     def place(self, rotations: Array, root: Array) -> None:
@@ -62,24 +81,34 @@ class Blending:
         self.grips = grips(self.skeleton, rotations, root)
         self._source, self._source_root = self.rotations, self.root
         self._shares: dict[int, Array] = {}
-        self._inertialiser.begin(rotations, root)
+        self._inertialiser.place(self.rotations, self.root)
+        self._targets.place(self.rotations, self.root)
+
+    @property
+    def resting(self) -> bool:
+        """Whether nothing moves without a motion."""
+        return not self._shares and self._inertialiser.settled and self._targets.settled
 
     def step(self, motions: Sequence[Contribution]) -> None:
         """Make the next frame out of the motions' newest ones; with none the body comes to rest."""
-        if not motions and not self._shares and self._inertialiser.settled:
+        if not motions and self.resting:
             return
-        if self._changes_hands(motions):
-            self._source, self._source_root = self.rotations, self.root
-            self._inertialiser.change()
+        joints, root_switched, ends = self._switches(motions)
+        if joints is not _NO_JOINT:  # what nobody drives from now on stays where it is seen
+            self._source = np.where(joints[:, None], self.rotations, self._source)
+        if root_switched:
+            self._source_root = self.root
         targets = _NO_TARGETS
         if len(motions) == 1:
             targets = self._follow(motions[0])
         elif motions:
             targets = self._blend(motions)
-        rotations, root, targets = self._inertialiser.smooth(self._source, self._source_root, targets)
+        rotations, root = self._inertialiser.step(self._source, self._source_root, joints, root_switched)
+        targets = self._targets.step(targets, ends)
         if targets[:, 7].any():
             rotations = solve(self.skeleton, rotations, root, targets)
-        self._inertialiser.shown(rotations, root)
+        self._inertialiser.settle(rotations, root)
+        self._targets.settle(rotations, root)
         self.rotations, self.root = rotations, root
         self.grips = grips(self.skeleton, rotations, root)
 
@@ -88,15 +117,11 @@ class Blending:
         row = motion.row
         rotations = row[_ROTATIONS].reshape(43, 4)
         importance = row[_IMPORTANCE]
-        sign = np.copysign(1.0, np.einsum("jc,jc->j", rotations, self._source))
+        rotations = rotations * np.copysign(1.0, np.einsum("jc,jc->j", rotations, self._source))[:, None]
         owned = importance > _NOBODY
-        if owned.all():
-            self._source = rotations * sign[:, None]
+        self._source = rotations if owned.all() else np.where(owned[:43, None], rotations, self._source)
+        if owned[43]:
             self._source_root = row[_ROOT]
-        else:
-            self._source = np.where(owned[:43, None], rotations * sign[:, None], self._source)
-            if owned[43]:
-                self._source_root = row[_ROOT]
         return row[_TARGETS].reshape(5, 8)
 
     def _blend(self, motions: Sequence[Contribution]) -> Array:
@@ -113,27 +138,47 @@ class Blending:
             self._source_root = blend_root(increments, importance[:, 43], self._source_root)
         return _merge(rows[:, _TARGETS].reshape(-1, 5, 8), importance)
 
-    def _changes_hands(self, motions: Sequence[Contribution]) -> bool:
-        """Whether some joint's source is not the one of the frame before."""
-        shares = _shares(motions)
-        before, self._shares = self._shares, shares
+    def _switches(self, motions: Sequence[Contribution]) -> tuple[Rows, bool, Rows]:
+        """Which joints (43,), whether the root, and which targets (5,) have another source than a frame before."""
+        before, shares = self._shares, _shares(motions)
+        self._shares = shares
         if len(shares) == 1 and shares.keys() == before.keys():
             (number,) = shares
-            return not np.array_equal(shares[number], before[number])
-        zero = np.zeros(44)
-        change = np.zeros(44)
+            if np.array_equal(shares[number], before[number]):
+                return _NO_JOINT, False, _NO_END
+        change, gone = np.zeros(49), np.zeros(5)
         for number in shares.keys() | before.keys():
-            change += np.abs(shares.get(number, zero) - before.get(number, zero))
-        return bool((change > _JUMP).any()) or _gains_one_owner(shares, before)
+            now, then = shares.get(number, _NOTHING), before.get(number, _NOTHING)
+            change += np.abs(now - then)
+            gone += then[44:] - now[44:]
+        switched = change > _JUMP
+        if not switched.any():
+            return _NO_JOINT, _gains_one_owner(shares, before), _NO_END
+        joints = switched[:43]
+        for end in np.flatnonzero(gone > _JUMP):  # a limb that loses its target falls back to its own rotations
+            joints[_CHAINS[end]] = True
+        return joints, bool(switched[43]) or _gains_one_owner(shares, before), switched[44:]
 
 
 def _shares(motions: Sequence[Contribution]) -> dict[int, Array]:
-    """Each motion's share (44,) of each joint and of the root."""
+    """Each motion's share (49,) of each joint, of the root and of each target."""
+    shares: dict[int, Array] = {}
     if len(motions) == 1:
-        return {motions[0].number: (motions[0].row[_IMPORTANCE] > _NOBODY).astype(float)}
-    importance = {motion.number: motion.row[_IMPORTANCE] for motion in motions}
-    total = sum(importance.values(), np.full(44, _NOBODY))
-    return {number: own / total for number, own in importance.items()}
+        row, share = motions[0].row, np.empty(49)
+        np.greater(row[_IMPORTANCE], _NOBODY, out=share[:44], casting="unsafe")
+        share[44:] = row[_WEIGHTS]
+        return {motions[0].number: share}
+    for motion in motions:
+        share = np.empty(49)
+        share[:44] = motion.row[_IMPORTANCE]
+        share[44:] = motion.row[_WEIGHTS] * np.maximum(motion.row[_DRIVEN_IMPORTANCE], _LEAST)
+        shares[motion.number] = share
+    if shares:
+        total = np.sum(list(shares.values()), axis=0) + _NOBODY
+        total[44:] /= np.max([motion.row[_WEIGHTS] for motion in motions], axis=0) + _NOBODY
+        for share in shares.values():
+            share /= total
+    return shares
 
 
 def _gains_one_owner(shares: dict[int, Array], before: dict[int, Array]) -> bool:
