@@ -1,0 +1,56 @@
+"""What the pool learns from each request, for the workers that it forks after it."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import importlib
+from pathlib import Path
+
+from ahmss.algorithm import cache
+from ahmss.algorithm.child import Request
+
+__all__ = ["learn"]
+
+# Imported ahead; an author's own modules are read anew at each start.
+_INSTALLED = ("ahmss.algorithm", "ahmss.body", "ahmss.motion", "numpy", "scipy")
+_learned: set[tuple[str, int]] = set()
+
+
+def learn(request: Request) -> bool:
+    """Compile the program, import the libraries that it names, read its clips; True if any of it was new.
+
+    What can't be read is left for the worker to stumble over, which has somebody to tell.
+    """
+    news = False
+    for path in (request.argv[0], *request.clips):
+        with contextlib.suppress(OSError):
+            stamp = (path, Path(path).stat().st_mtime_ns)
+            if stamp not in _learned:
+                _learned.add(stamp)
+                news = True
+                _read(path)
+    return news
+
+
+def _read(path: str) -> None:
+    """Take a file into memory."""
+    with contextlib.suppress(Exception):
+        if path.endswith(".npz"):
+            cache.clip(path)
+            return
+        cache.code(path)
+        for name in _imports(ast.parse(Path(path).read_bytes())):
+            with contextlib.suppress(ImportError):
+                importlib.import_module(name)
+
+
+def _imports(tree: ast.Module) -> list[str]:
+    """The installed modules that a program imports at its top."""
+    names: list[str] = []
+    for node in tree.body:
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names.append(node.module)
+    return [name for name in names if f"{name}.".startswith(tuple(f"{package}." for package in _INSTALLED))]

@@ -1,0 +1,69 @@
+"""What main takes from an algorithm: poses that are finite, unit, and the ones it asked for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ahmss.algorithm.messages import TARGETS
+from ahmss.body.array import Array
+from ahmss.body.links import LINKS
+from ahmss.errors import ProtocolError
+
+__all__ = ["check_human", "check_object"]
+
+_TOLERANCE = 1e-3  # how far from 1 the squared length of a quaternion may be
+
+
+def check_human(row: Array, k: int) -> None:
+    """A POSE row (260,): k as asked, all numbers finite, quaternions unit, importances >= 0, targets sensible.
+
+    Raises:
+        ProtocolError: names what is wrong and where.
+    """
+    _check_frame(row, k)
+    rotations = row[4:176].reshape(43, 4)
+    squares = np.einsum("ij,ij->i", rotations, rotations)
+    if squares.min() < 1.0 - _TOLERANCE or squares.max() > 1.0 + _TOLERANCE:
+        worst = int(np.argmax(np.abs(squares - 1.0)))
+        raise ProtocolError(f"the rotation of {LINKS[worst]} has length {math.sqrt(squares[worst]):.3g}, not 1")
+    if row[176:220].min() < 0.0:
+        worst = int(np.argmin(row[176:220]))
+        joint = "root" if worst == len(LINKS) else LINKS[worst]
+        raise ProtocolError(f"the importance of {joint} is {row[176 + worst]:.3g}; it can't be negative")
+    if row[220:].any():
+        _check_targets(row[220:].reshape(5, 8))
+
+
+def check_object(row: Array, k: int) -> None:
+    """An OBJECT row (8,): k as asked, all numbers finite, the quaternion unit.
+
+    Raises:
+        ProtocolError: names what is wrong.
+    """
+    _check_frame(row, k)
+    square = float(row[4:8] @ row[4:8])
+    if abs(square - 1.0) > _TOLERANCE:
+        raise ProtocolError(f"the object's rotation has length {math.sqrt(square):.3g}, not 1")
+
+
+def _check_frame(row: Array, k: int) -> None:
+    """That all is finite and that it is the frame asked for."""
+    # A sum is finite only if all of its terms are (or they are so large that no pose holds them).
+    if not math.isfinite(row.sum()):
+        bad = int(np.argmin(np.isfinite(row)))
+        raise ProtocolError(f"number {bad} of its pose is {row[bad]}")
+    if row[0] != k:
+        raise ProtocolError(f"it sent frame {row[0]:g} where frame {k} was asked for")
+
+
+def _check_targets(targets: Array) -> None:
+    """Weights from 0 to 1, rotations unit or all zero."""
+    for name, row in zip(TARGETS, targets, strict=True):
+        if not 0.0 <= row[7] <= 1.0:
+            raise ProtocolError(f"the weight of target {name} is {row[7]:.3g}; 0 to 1 is allowed")
+        square = float(row[3:7] @ row[3:7])
+        if square != 0.0 and abs(square - 1.0) > _TOLERANCE:
+            length = math.sqrt(square)
+            raise ProtocolError(f"the rotation of target {name} has length {length:.3g}, not 1 (or all 0: free)")

@@ -1,0 +1,183 @@
+"""The launcher: starts algorithms as processes of their own, watches them, and leaves none behind."""
+
+from __future__ import annotations
+
+import select
+import sys
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Protocol
+
+from ahmss.algorithm.child import Child, Hired, Request, Spawned
+from ahmss.algorithm.hire import Pool
+from ahmss.algorithm.messages import Start, encode_start
+from ahmss.algorithm.process import AlgorithmProcess, Deadlines
+from ahmss.algorithm.stream import Pipes
+from ahmss.errors import AhmssError
+
+__all__ = ["Entry", "Launcher"]
+
+_NAP = 0.002  # seconds between looks at a process whose exit status is still to come
+
+
+class Entry(Protocol):
+    """What the launcher needs of an algorithm (the database's AlgorithmEntry has it)."""
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        ...
+
+    @property
+    def argv(self) -> tuple[str, ...]:
+        """The command; a first word `python` means: from the pool."""
+        ...
+
+    @property
+    def directory(self) -> Path:
+        """Where it is run."""
+        ...
+
+
+class Launcher:
+    """The algorithm processes of one main.
+
+        with Launcher(notice=print) as launcher:        # at the end nothing is left running
+            process = launcher.start(entry, start)
+            process.ask(frame)
+            launcher.wait([process], 1 / 60)
+            launcher.tend()                             # once a frame
+
+    Args:
+        warm: take Python algorithms from the pool; without, each is a new interpreter.
+        deadlines: how long processes may take.
+        notice: is told, once, why the pool could not be used.
+    """
+
+    def __init__(
+        self, *, warm: bool = True, deadlines: Deadlines | None = None, notice: Callable[[str], None] | None = None
+    ) -> None:
+        self._deadlines = deadlines or Deadlines()
+        self._notice = notice
+        self._processes: list[AlgorithmProcess] = []
+        self._pool: Pool | None = None
+        if warm:
+            try:
+                self._pool = Pool()
+            except (OSError, AhmssError) as error:
+                self._without_pool(str(error))
+
+    def __enter__(self) -> Launcher:
+        """Itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        self.close()
+
+    @property
+    def processes(self) -> tuple[AlgorithmProcess, ...]:
+        """Those that have not ended yet."""
+        return tuple(process for process in self._processes if not process.ended)
+
+    def start(self, entry: Entry, start: Start) -> AlgorithmProcess:
+        """Start an algorithm and send it START. Returns at once; its first answer comes when it comes.
+
+        Raises:
+            AlgorithmError: there is no such program, or it can't be executed.
+        """
+        pipes = Pipes.make()
+        try:
+            child = self._child(entry, start, pipes)
+        except BaseException:
+            pipes.close()
+            raise
+        frames = start.frames if start.kind == "human" else 0
+        process = AlgorithmProcess(entry.name, child, encode_start(start), frames=frames, deadlines=self._deadlines)
+        self._processes.append(process)
+        return process
+
+    def wait(self, processes: Iterable[AlgorithmProcess], timeout: float) -> bool:
+        """Wait until none of these owes a frame, at most `timeout` seconds; True if so. Logs are read meanwhile."""
+        until = time.monotonic() + timeout
+        while owing := [process for process in processes if process.pending]:
+            left = until - time.monotonic()
+            if left <= 0.0:
+                return False
+            _look(owing, left)
+        return True
+
+    def tend(self) -> None:
+        """What is due for any process: logs, deadlines, ends. Once a frame."""
+        for process in self._processes:
+            process.tend()
+        self._processes = [process for process in self._processes if not process.ended]
+
+    def close(self) -> None:
+        """End all, politely first, by force after the deadline to stop; return when nothing is left."""
+        for process in self._processes:
+            process.stop()
+        until = time.monotonic() + self._deadlines.stop
+        forced = False
+        self.tend()
+        while self._processes:
+            if not forced and time.monotonic() > until:
+                forced = True
+                for process in self._processes:
+                    process.kill()
+            time.sleep(_NAP)
+            self.tend()
+        if self._pool is not None:
+            self._pool.close()
+
+    def _child(self, entry: Entry, start: Start, pipes: Pipes) -> Child:
+        """A process for the entry, from the pool if it is Python."""
+        argv, directory = entry.argv, entry.directory
+        if argv[0] != "python" and not argv[0].endswith(".py"):
+            return Spawned(argv, directory, pipes)
+        script = argv[1:] if argv[0] == "python" else argv
+        script = (str((directory / script[0]).absolute()), *script[1:])
+
+        def alone(reason: str) -> Spawned:
+            self._without_pool(reason)
+            return _interpreter(script, directory, pipes)
+
+        if self._pool is None:
+            return _interpreter(script, directory, pipes)
+        clips = tuple(path for path in (start.motion, start.goal.posture) if path)
+        try:
+            return Hired(self._pool.connect(), Request(script, str(directory), clips), pipes, alone)
+        except (OSError, AhmssError) as error:
+            return alone(str(error))
+
+    def _without_pool(self, reason: str) -> None:
+        """Say once that the pool is not there."""
+        if self._notice is not None:
+            self._notice(f"Python algorithms start more slowly, because the pool can't be used: {reason}")
+            self._notice = None
+
+
+def _interpreter(script: tuple[str, ...], directory: Path, pipes: Pipes) -> Spawned:
+    """A Python algorithm in an interpreter of its own."""
+    return Spawned((sys.executable, "-m", "ahmss.algorithm.worker", *script), directory, pipes)
+
+
+def _look(owing: list[AlgorithmProcess], timeout: float) -> None:
+    """Wait until one of these says something, and take it."""
+    poll = select.poll()
+    sources: dict[int, AlgorithmProcess] = {}
+    for process in owing:
+        if process.silent:
+            timeout = min(timeout, _NAP)
+        else:
+            sources[process.fileno()] = process
+        if process.log_fileno >= 0:
+            sources[process.log_fileno] = process
+    for source in sources:
+        poll.register(source, select.POLLIN)
+    for source, _ in poll.poll(timeout * 1000.0):
+        sources[source].collect(log=source != sources[source].fileno())
+    for process in owing:
+        if process.silent:
+            process.collect()

@@ -1,0 +1,309 @@
+"""The algorithm protocol, version 1: every message between main and an algorithm process, in one place.
+
+    length u32 | kind u8 | payload          little-endian; length is the payload's, at most 16 MB
+
+Main writes START once, then FRAME k for each frame it wants, then STOP; the algorithm answers READY to START and POSE k
+(an object algorithm OBJECT k) to FRAME k. STATE, DONE and ERROR come from it when there is something to say.
+START, READY and STATE are JSON, ERROR is text; FRAME, POSE and OBJECT are blocks of float64, laid out by the tables
+below. docs/protocol.md is written from this module.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Annotated, Any, Literal
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+
+from ahmss.body.array import Array
+from ahmss.errors import ProtocolError
+
+__all__ = [
+    "FRAME_HUMAN",
+    "FRAME_OBJECT",
+    "HEADER",
+    "MAX_PAYLOAD",
+    "MOVED",
+    "OBJECT",
+    "POSE",
+    "TARGETS",
+    "VERSION",
+    "Field",
+    "Goal",
+    "Kind",
+    "ObjectRecord",
+    "PoseRecord",
+    "Ready",
+    "SiteRecord",
+    "Start",
+    "State",
+    "decode_ready",
+    "decode_start",
+    "decode_state",
+    "encode",
+    "encode_frame",
+    "encode_start",
+    "encode_state",
+    "size",
+]
+
+VERSION = 1
+HEADER = struct.Struct("<IB")
+MAX_PAYLOAD = 16 * 1024 * 1024
+
+
+class Kind(IntEnum):
+    """The kinds of message: below 16 from main, from 16 on from the algorithm."""
+
+    START = 1
+    FRAME = 2
+    STOP = 3
+    READY = 16
+    POSE = 17
+    OBJECT = 18
+    STATE = 19
+    DONE = 20
+    ERROR = 21
+
+
+# --- blocks of float64 ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Field:
+    """A run of `count` float64 in a block."""
+
+    name: str
+    count: int
+    meaning: str
+
+
+TARGETS = ("right_hand", "left_hand", "right_foot", "left_foot", "gaze")
+
+FRAME_HUMAN = (
+    Field("k", 1, "the frame asked for, 1 for the first"),
+    Field("root", 3, "place of the hips' joint in the world, metres"),
+    Field("rotations", 172, "43 quaternions wxyz, parent <- child; the first is world <- hips"),
+    Field("right_grip", 7, "the right palm's frame in the world: place, then quaternion"),
+    Field("left_grip", 7, "the left palm's frame in the world: place, then quaternion"),
+)
+FRAME_OBJECT = (
+    *FRAME_HUMAN,
+    Field("place", 3, "the object's place in the world, metres, before this frame"),
+    Field("rotation", 4, "the object's rotation, quaternion wxyz, world <- object"),
+)
+MOVED = (
+    Field("object", 1, "id of an object of START's `world` (or the target) that moved since the last FRAME"),
+    Field("place", 3, "its place in the world, metres"),
+    Field("rotation", 4, "its rotation, quaternion wxyz, world <- object"),
+)
+POSE = (
+    Field("k", 1, "the frame this is, as asked"),
+    Field("root", 3, "place of the hips' joint in the world, metres"),
+    Field("rotations", 172, "43 unit quaternions wxyz, parent <- child; the first is world <- hips"),
+    Field("importance", 44, "how much this motion cares for each joint, >= 0; the last is the root's"),
+    Field("targets", 40, f"5 rows ({', '.join(TARGETS)}) of place 3, quaternion 4 (zeros: free), weight 0 to 1"),
+)
+OBJECT = (
+    Field("k", 1, "the frame this is, as asked"),
+    Field("place", 3, "the object's place in the world, metres"),
+    Field("rotation", 4, "the object's rotation, unit quaternion wxyz, world <- object"),
+)
+
+
+def size(block: tuple[Field, ...]) -> int:
+    """The number of float64 in a block."""
+    return sum(field.count for field in block)
+
+
+# --- JSON messages ----------------------------------------------------------------------------------------------------
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+class SiteRecord(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A named frame on an object."""
+
+    position: Annotated[Vector, Meta(description="in the object's frame, metres")]
+    rotation: Annotated[Quaternion, Meta(description="object <- site, wxyz")] = (1.0, 0.0, 0.0, 0.0)
+    free_axis: Annotated[
+        Literal["", "z"], Meta(description='"z": the yaw is free; turn the site\'s x away from the human')
+    ] = ""
+
+
+class ObjectRecord(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An object of the world as it stands at the start."""
+
+    id: Annotated[int, Meta(description="the number that FRAME and STATE call it by")]
+    name: Annotated[str, Meta(description="its name in the world, such as room/cup")]
+    kind: Annotated[str, Meta(description="its kind, the folder in objectdb")]
+    place: Annotated[Vector, Meta(description="in the world, metres")]
+    rotation: Annotated[Quaternion, Meta(description="world <- object, wxyz")]
+    sites: Annotated[dict[str, SiteRecord], Meta(description="its named frames")] = {}
+    properties: Annotated[dict[str, Any], Meta(description="size, mass and the like, from its files")] = {}
+    states: Annotated[dict[str, Any], Meta(description="the values its states have now")] = {}
+
+
+class PoseRecord(msgspec.Struct, frozen=True):
+    """A pose of the human."""
+
+    root: Annotated[Vector, Meta(description="place of the hips' joint in the world, metres")]
+    rotations: Annotated[list[Quaternion], Meta(description="43 unit quaternions wxyz, parent <- child")]
+
+    @classmethod
+    def of(cls, rotations: Array, root: Array) -> PoseRecord:
+        """The record of arrays (43, 4) and (3,)."""
+        return cls(root=tuple(root.tolist()), rotations=rotations.tolist())
+
+
+class Goal(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What the motion is to reach; every field may be missing."""
+
+    place: Annotated[Vector | None, Meta(description="in the world, metres")] = None
+    rotation: Annotated[Quaternion | None, Meta(description="in the world, wxyz")] = None
+    facing: Annotated[float | None, Meta(description="final heading about z, radians, 0 towards +x")] = None
+    posture: Annotated[str | None, Meta(description="path of a clip whose last frame is the posture")] = None
+    object: Annotated[ObjectRecord | None, Meta(description="the object named as the goal")] = None
+
+
+class Start(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
+    """START: all that an algorithm is told before the first frame."""
+
+    version: Annotated[int, Meta(description="of the protocol")] = VERSION
+    kind: Annotated[Literal["human", "object"], Meta(description="which of the two this process is asked to be")]
+    human: Annotated[dict[str, Any], Meta(description="the acting human's skeleton: offsets, tips, limits, grips ...")]
+    pose: Annotated[PoseRecord, Meta(description="the human's present pose, frame 0")]
+    frames: Annotated[int, Meta(ge=1, description="N, the frames asked for; frame N is the goal")]
+    rate: Annotated[float, Meta(gt=0.0, description="frames a second")] = 60.0
+    seed: Annotated[int, Meta(ge=0, description="for whatever is random")] = 0
+    object: Annotated[ObjectRecord | None, Meta(description="the target object")] = None
+    site: Annotated[str, Meta(description="which of the object's sites the action names")] = ""
+    goal: Annotated[Goal, Meta(description="what to reach")] = Goal()
+    motion: Annotated[str | None, Meta(description="path of the action's motion clip (.npz)")] = None
+    parameters: Annotated[dict[str, Any], Meta(description="the algorithm's parameters, defaults filled in")] = {}
+    hand: Annotated[Literal["", "right", "left"], Meta(description="the hand to use, where one is meant")] = ""
+    hold: Annotated[
+        Literal["", "take", "keep", "release"], Meta(description="what the action does to the object in the hand")
+    ] = ""
+    world: Annotated[list[ObjectRecord], Meta(description="other objects, as algorithm.toml's `world` asks")] = []
+    directory: Annotated[str, Meta(description="the algorithm's own folder")] = ""
+
+
+class Ready(msgspec.Struct, frozen=True):
+    """READY: the algorithm has read START and will answer."""
+
+    version: Annotated[int, Meta(description="of the protocol, as the algorithm speaks it")] = VERSION
+
+
+class State(msgspec.Struct, frozen=True):
+    """STATE: states of an object that changed, sent before the POSE or OBJECT of the frame in which they do."""
+
+    object: Annotated[int, Meta(description="id of the object")]
+    states: Annotated[dict[str, Any], Meta(description="the new value of each state that changed")]
+
+
+_start = msgspec.json.Decoder(Start)
+_ready = msgspec.json.Decoder(Ready)
+_state = msgspec.json.Decoder(State)
+_json = msgspec.json.Encoder()
+
+
+# --- bytes ------------------------------------------------------------------------------------------------------------
+
+
+def encode(kind: Kind, payload: bytes | memoryview = b"") -> bytes:
+    """One message.
+
+    Raises:
+        ProtocolError: the payload is larger than 16 MB.
+    """
+    if len(payload) > MAX_PAYLOAD:
+        raise ProtocolError(f"a {kind.name} message of {len(payload)} bytes is larger than the {MAX_PAYLOAD} allowed")
+    return HEADER.pack(len(payload), kind) + payload
+
+
+def encode_start(start: Start) -> bytes:
+    """The START message."""
+    return encode(Kind.START, _json.encode(start))
+
+
+def encode_state(state: State) -> bytes:
+    """The STATE message."""
+    return encode(Kind.STATE, _json.encode(state))
+
+
+def encode_frame(
+    k: int,
+    root: Array,
+    rotations: Array,
+    grips: Array,
+    object_pose: Array | None = None,
+    moved: Array | None = None,
+) -> bytes:
+    """The FRAME message.
+
+    Args:
+        k: the frame asked for, from 1.
+        root: (3,) metres. rotations: (43, 4) wxyz.
+        grips: (2, 7) right and left palm frames in the world.
+        object_pose: (7,) place and rotation, for an object algorithm only.
+        moved: (n, 8) id, place and rotation of each object that moved, for those who asked for the world.
+    """
+    count = 190 + (0 if object_pose is None else 7)
+    block = np.empty(count + (0 if moved is None else moved.size))
+    block[0] = k
+    block[1:4] = root
+    block[4:176] = rotations.reshape(172)
+    block[176:190] = grips.reshape(14)
+    if object_pose is not None:
+        block[190:197] = object_pose
+    if moved is not None:
+        block[count:] = moved.reshape(-1)
+    return HEADER.pack(block.nbytes, Kind.FRAME) + block.tobytes()
+
+
+def decode_start(payload: bytes | memoryview) -> Start:
+    """START's payload.
+
+    Raises:
+        ProtocolError: not JSON, a field of the wrong type, or another version.
+    """
+    try:
+        start = _start.decode(payload)
+    except msgspec.MsgspecError as error:
+        raise ProtocolError(f"START: {error}") from None
+    if start.version != VERSION:
+        raise ProtocolError(f"START is of protocol version {start.version}; this speaks version {VERSION}")
+    return start
+
+
+def decode_ready(payload: bytes | memoryview) -> Ready:
+    """READY's payload; an empty one means version 1.
+
+    Raises:
+        ProtocolError: not JSON, or a version that this main does not speak.
+    """
+    try:
+        ready = _ready.decode(payload) if len(payload) else Ready()
+    except msgspec.MsgspecError as error:
+        raise ProtocolError(f"READY: {error}") from None
+    if ready.version != VERSION:
+        raise ProtocolError(f"READY is of protocol version {ready.version}; this main speaks version {VERSION}")
+    return ready
+
+
+def decode_state(payload: bytes | memoryview) -> State:
+    """STATE's payload.
+
+    Raises:
+        ProtocolError: not JSON, or a field is missing or of the wrong type.
+    """
+    try:
+        return _state.decode(payload)
+    except msgspec.MsgspecError as error:
+        raise ProtocolError(f"STATE: {error}") from None

@@ -1,0 +1,151 @@
+"""An author's function being played: frames in, poses out. The same in a process of its own and in a test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ahmss.algorithm.messages import OBJECT, POSE, Start, size
+from ahmss.algorithm.pose import HumanPose, ObjectPose
+from ahmss.algorithm.task import HumanTask, ObjectTask
+from ahmss.body.array import Array
+from ahmss.errors import ShapeError
+
+__all__ = ["Answer", "Function", "Performance", "frames"]
+
+Answer = HumanPose | ObjectPose | Array
+Function = Callable[[Any], Iterable[Answer] | Array]
+"""HumanTask or ObjectTask to poses: a generator, any iterable, or an array of POSE rows (N, 260)."""
+
+
+class Performance:
+    """One motion by one author's function; `step` answers a frame.
+
+    `row` is the last answer as a POSE (260,) or OBJECT (8,) row, `states` the states that it changed.
+    """
+
+    def __init__(self, function: Function, start: Start) -> None:
+        self.task = HumanTask(start) if start.kind == "human" else ObjectTask(start)
+        self.width = size(POSE) if start.kind == "human" else size(OBJECT)
+        self._pose_type: type[HumanPose | ObjectPose] = HumanPose if start.kind == "human" else ObjectPose
+        self._row = np.zeros(self.width)
+        self._function = function
+        self._answers: Iterator[Answer] | None = None
+        self._block = np.zeros((0, self.width))
+        self._next = 0
+        self._told = dict(self.task.object.states) if self.task.object is not None else {}
+        self.row = self._row
+        self.states: Mapping[str, Any] = {}
+
+    def step(self, frame: Array) -> bool:
+        """Answer a FRAME's numbers; False when the function has no more to say."""
+        self.task.see(frame)
+        self.states = {}
+        if self._next == len(self._block) and not self._advance():
+            return False
+        if self._next < len(self._block):
+            self.row = self._block[self._next]
+            self._next += 1
+        self.row[0] = frame[0]
+        return True
+
+    @property
+    def over(self) -> bool:
+        """Whether a human motion has given its last frame."""
+        return isinstance(self.task, HumanTask) and self.row[0] >= self.task.length
+
+    def close(self) -> None:
+        """Let the function's `finally` run."""
+        close = getattr(self._answers, "close", None)
+        if close is not None:
+            close()
+
+    def _advance(self) -> bool:
+        """Get the function's next answer; False at its end."""
+        if self._answers is None:
+            result = self._function(self.task)
+            self._answers = iter([result] if isinstance(result, np.ndarray) else result)
+        answer = next(self._answers, None)
+        if answer is None:
+            return False
+        if isinstance(answer, np.ndarray):
+            self._take_block(answer)
+            return len(self._block) > 0 or self._advance()
+        if not isinstance(answer, self._pose_type):
+            raise TypeError(f"expected a {self._pose_type.__name__} (see task.pose), got {type(answer).__name__}")
+        answer.pack(self._row)
+        self.row = self._row
+        self.states = self._news(answer.states)
+        return True
+
+    def _take_block(self, rows: Array) -> None:
+        """Rows to be given out one a frame."""
+        if rows.ndim != 2 or rows.shape[1] != self.width:
+            raise ShapeError(f"a block of poses is (N, {self.width}) (see task.block), not {rows.shape}")
+        self._block = np.ascontiguousarray(rows, dtype=np.float64)
+        if not self._block.flags.writeable:
+            self._block = self._block.copy()
+        self._next = 0
+
+    def _news(self, states: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Those of the states that differ from what was last told."""
+        if not states:
+            return states
+        news = {name: value for name, value in states.items() if self._told.get(name, self) != value}
+        self._told.update(news)
+        return news
+
+
+def frames(
+    function: Function, start: Start, humans: Iterable[Array] | None = None
+) -> Iterator[HumanPose | ObjectPose]:
+    """Play a function without a process, as a test does.
+
+    A human algorithm is asked for its N frames, each from the pose that it gave before; an object algorithm sees the
+    frames of `humans` (each the 190 numbers of FRAME, or a HumanFrame's `row`) and its own object where it last put it.
+
+    Args:
+        function: what would be given to `run`.
+        start: as main would send it.
+        humans: for an object algorithm, or for a human algorithm that is to see other present poses than its own.
+    """
+    performance = Performance(function, start)
+    try:
+        for frame in _asked(performance, start, humans):
+            if not performance.step(frame):
+                return
+            row = performance.row.copy()
+            pose = HumanPose.of(row) if start.kind == "human" else ObjectPose.of(row)
+            yield _with_states(pose, performance.states)
+    finally:
+        performance.close()
+
+
+def _asked(performance: Performance, start: Start, humans: Iterable[Array] | None) -> Iterator[Array]:
+    """The numbers of each FRAME, k counted from 1."""
+    task = performance.task
+    present = task.start.row.copy()
+    given = iter(humans) if humans is not None else None
+    for k in range(1, start.frames + 1):
+        if given is not None:
+            seen = next(given, None)
+            if seen is None:
+                return
+            present[:] = seen[:190]
+        present[0] = k
+        if isinstance(task, HumanTask):
+            yield present
+            if given is None:
+                present[1:176] = performance.row[1:176]
+        else:
+            yield np.concatenate([present, task.object.place, task.object.rotation])
+            task.object.place[:], task.object.rotation[:] = performance.row[1:4], performance.row[4:8]
+
+
+def _with_states(pose: HumanPose | ObjectPose, states: Mapping[str, Any]) -> HumanPose | ObjectPose:
+    """The pose with the states that it changed."""
+    if isinstance(pose, HumanPose):
+        return HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, states)
+    return ObjectPose(pose.place, pose.rotation, states)

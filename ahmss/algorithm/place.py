@@ -1,0 +1,99 @@
+"""Places in the world as an algorithm sees them: frames, objects, and their sites."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ahmss.algorithm.messages import ObjectRecord, SiteRecord
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
+
+__all__ = ["Transform", "WorldObject", "resolve_site"]
+
+
+@dataclass(frozen=True)
+class Transform:
+    """A frame in a parent's: place (..., 3) in metres and rotation (..., 4), unit, parent <- frame."""
+
+    place: Array
+    rotation: Array
+
+    @classmethod
+    def of(cls, row: Array) -> Transform:
+        """From rows (..., 7): place, then quaternion."""
+        return cls(row[..., :3], row[..., 3:7])
+
+    def row(self) -> Array:
+        """Rows (..., 7): place, then quaternion."""
+        return np.concatenate([self.place, self.rotation], axis=-1)
+
+    def apply(self, points: Array) -> Array:
+        """Points (..., 3) of this frame in the parent's coordinates."""
+        return self.place + rotate(self.rotation, points)
+
+    def then(self, inner: Transform) -> Transform:
+        """The frame `inner`, given in this one, in the parent's coordinates."""
+        return Transform(self.apply(inner.place), multiply(self.rotation, inner.rotation))
+
+    def inverse(self) -> Transform:
+        """The parent in this frame."""
+        back = conjugate(self.rotation)
+        return Transform(-rotate(back, self.place), back)
+
+
+@dataclass
+class WorldObject:
+    """An object of the world. `place` (3,) and `rotation` (4,) follow it where the algorithm asked for the world."""
+
+    id: int
+    name: str
+    kind: str
+    place: Array
+    rotation: Array
+    sites: dict[str, SiteRecord] = field(default_factory=dict[str, SiteRecord])
+    properties: dict[str, Any] = field(default_factory=dict[str, Any])
+    states: dict[str, Any] = field(default_factory=dict[str, Any])
+
+    @classmethod
+    def of(cls, record: ObjectRecord) -> WorldObject:
+        """The object of a START record."""
+        return cls(
+            record.id, record.name, record.kind, np.array(record.place), np.array(record.rotation),
+            record.sites, record.properties, dict(record.states),
+        )  # fmt: skip
+
+    @property
+    def frame(self) -> Transform:
+        """The object's frame in the world."""
+        return Transform(self.place, self.rotation)
+
+    def site(self, name: str, human: Array) -> Transform:
+        """A site in the world, its free axis turned away from a human whose root is at `human` (3,).
+
+        Raises:
+            KeyError: the object has no such site; the message lists those that it has.
+        """
+        if name not in self.sites:
+            raise KeyError(f"{self.name} has no site {name!r}; it has: {', '.join(self.sites) or 'none'}")
+        return resolve_site(self.frame, self.sites[name], human)
+
+
+def resolve_site(frame: Transform, site: SiteRecord, human: Array) -> Transform:
+    """A site in the world; with free_axis "z" its x points away from the human, at right angles to its own z.
+
+    Args:
+        frame: the object in the world.
+        site: in the object's frame.
+        human: (3,) place of the acting human's root.
+    """
+    fixed = frame.then(Transform(np.array(site.position), np.array(site.rotation)))
+    if site.free_axis != "z":
+        return fixed
+    away = rotate(conjugate(fixed.rotation), (fixed.place - human) * np.array([1.0, 1.0, 0.0]))
+    if np.hypot(away[0], away[1]) < 1e-6:  # the human is on the axis: any yaw serves
+        return fixed
+    yaw = from_axis_angle(np.array([0.0, 0.0, 1.0]), float(np.arctan2(away[1], away[0])))
+    return Transform(fixed.place, multiply(fixed.rotation, yaw))

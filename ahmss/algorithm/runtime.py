@@ -1,0 +1,85 @@
+"""Where main and the pool meet: a private directory, and names that only the same code and Python share."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import stat
+import sys
+import tempfile
+from pathlib import Path
+
+import ahmss
+from ahmss.errors import AlgorithmError
+
+__all__ = ["Meeting", "code_stamp", "private_directory"]
+
+_PACKAGES = ("algorithm", "body", "motion")  # what the pool holds in memory
+
+
+def code_stamp() -> str:
+    """Changes when the code that the pool holds does, and differs between checkouts and Pythons."""
+    root = Path(ahmss.__file__).parent
+    digest = hashlib.sha256(f"{sys.executable} {sys.version} {root}".encode())
+    for file in sorted(file for package in _PACKAGES for file in (root / package).glob("*.py")):
+        status = file.stat()
+        digest.update(f"{file.name} {status.st_mtime_ns} {status.st_size}".encode())
+    return digest.hexdigest()[:16]
+
+
+def private_directory() -> Path:
+    """A directory for sockets that only this user may enter.
+
+    Raises:
+        AlgorithmError: somebody else's stands in its place.
+    """
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    if runtime and Path(runtime).is_dir() and os.access(runtime, os.W_OK):
+        directory = Path(runtime) / "ahmss"
+    else:
+        directory = Path(tempfile.gettempdir()) / f"ahmss-{os.getuid()}"
+    directory.mkdir(mode=0o700, exist_ok=True)
+    status = directory.lstat()
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid() or status.st_mode & 0o077:
+        raise AlgorithmError(f"{directory} is not a directory of yours alone (chmod 700); remove it and try again")
+    return directory
+
+
+class Meeting:
+    """The files of one pool: its socket, the lock under which it is made, and the lock that its users share."""
+
+    def __init__(self, directory: Path, stamp: str) -> None:
+        self.socket = directory / f"pool-{stamp}.socket"
+        self.making = directory / f"pool-{stamp}.making"
+        self.using = directory / f"pool-{stamp}.using"
+        self.log = directory / f"pool-{stamp}.log"
+
+    def use(self) -> int:
+        """A descriptor that says, while it is open, that somebody uses the pool."""
+        descriptor = os.open(self.using, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        fcntl.flock(descriptor, fcntl.LOCK_SH)
+        return descriptor
+
+    def unused(self) -> bool:
+        """Whether nobody uses the pool."""
+        descriptor = os.open(self.using, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        else:
+            return True
+        finally:
+            os.close(descriptor)
+
+    def lock(self) -> int:
+        """A descriptor that holds the lock on making and ending the pool, until it is closed."""
+        descriptor = os.open(self.making, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        return descriptor
+
+    def remove(self) -> None:
+        """Leave nothing but the locks, which others may be waiting for."""
+        self.socket.unlink(missing_ok=True)
+        self.log.unlink(missing_ok=True)

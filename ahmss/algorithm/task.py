@@ -1,0 +1,281 @@
+"""What an author's function gets: the task, and at each frame where the human and the objects are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numpy as np
+
+from ahmss.algorithm import cache
+from ahmss.algorithm.messages import FRAME_HUMAN, FRAME_OBJECT, MOVED, Start, size
+from ahmss.algorithm.place import Transform, WorldObject
+from ahmss.algorithm.pose import HumanPose, ObjectPose, block, importance_of, target_rows
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.skeleton import Skeleton
+from ahmss.errors import ProtocolError
+from ahmss.motion.clip import Clip
+
+__all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Task"]
+
+Value = TypeVar("Value", bool, int, float, str)
+
+
+class HumanFrame:
+    """The human at one frame: `root` (3,), `rotations` (43, 4), `right_grip` and `left_grip` (palms in the world)."""
+
+    def __init__(self, row: Array) -> None:
+        """From the first 190 numbers of a FRAME; holds views of them."""
+        self.row = row
+        self.root = row[1:4]
+        self.rotations = row[4:176].reshape(43, 4)
+
+    @property
+    def k(self) -> int:
+        """The frame, 1 for the first; 0 is where the human was at the start."""
+        return int(self.row[0])
+
+    @property
+    def right_grip(self) -> Transform:
+        """The right palm's frame in the world."""
+        return Transform.of(self.row[176:183])
+
+    @property
+    def left_grip(self) -> Transform:
+        """The left palm's frame in the world."""
+        return Transform.of(self.row[183:190])
+
+    def grip(self, hand: str) -> Transform:
+        """The palm's frame of the `"right"` or `"left"` hand."""
+        return self.left_grip if hand == "left" else self.right_grip
+
+
+class Task:
+    """What every algorithm is told. Arrays are metres, radians and unit quaternions wxyz.
+
+    length: N, the frames asked for. rate: frames a second. hand: "right", "left" or "". hold: what the action does to
+    the object. random: numpy's generator, seeded by main. object: the target, or None. world: the other objects that
+    algorithm.toml asked for, by id. start: the human at frame 0; present: at the frame being computed.
+    """
+
+    def __init__(self, start: Start) -> None:
+        self.message = start
+        self.length = start.frames
+        self.rate = start.rate
+        self.hand = start.hand
+        self.hold = start.hold
+        self.parameters: Mapping[str, Any] = start.parameters
+        self.directory = Path(start.directory)
+        self.object = WorldObject.of(start.object) if start.object is not None else None
+        self.world = {record.id: WorldObject.of(record) for record in start.world}
+
+    @cached_property
+    def human(self) -> Skeleton:
+        """The acting human's skeleton."""
+        return Skeleton.from_record(self.message.human)
+
+    @cached_property
+    def random(self) -> np.random.Generator:
+        """What is random comes from here, so that one seed gives one motion."""
+        return np.random.default_rng(self.message.seed)
+
+    @cached_property
+    def start(self) -> HumanFrame:
+        """The human at frame 0, palms included."""
+        row = np.zeros(size(FRAME_HUMAN))
+        row[1:4] = self.message.pose.root
+        row[4:176] = np.reshape(self.message.pose.rotations, 172)
+        places, world = forward(row[4:176].reshape(43, 4), row[1:4], self.human.offsets)
+        for i, name in enumerate(("right_hand", "left_hand")):
+            hand = Transform(places[INDEX[name]], world[INDEX[name]])
+            row[176 + 7 * i : 183 + 7 * i] = hand.then(Transform.of(self.human.grips[i])).row()
+        return HumanFrame(row)
+
+    @cached_property
+    def present(self) -> HumanFrame:
+        """The human at the frame being computed (for a human algorithm: before it)."""
+        return HumanFrame(self.start.row.copy())
+
+    @cached_property
+    def site(self) -> Transform | None:
+        """The action's site in the world at the start, its free axis turned away from the human; None without one."""
+        if self.object is None or not self.message.site:
+            return None
+        return self.object.site(self.message.site, np.array(self.message.pose.root))
+
+    @cached_property
+    def motion(self) -> Clip | None:
+        """The action's motion clip, read when first asked for; None where the action names none."""
+        return cache.clip(self.message.motion) if self.message.motion else None
+
+    @cached_property
+    def posture(self) -> Clip | None:
+        """The clip whose last frame is the posture to reach, or None."""
+        return cache.clip(self.message.goal.posture) if self.message.goal.posture else None
+
+    @cached_property
+    def goal_place(self) -> Array | None:
+        """The place (3,) to reach, or None; of a goal object its place, where no other was given."""
+        goal = self.message.goal
+        place = goal.place or (goal.object.place if goal.object is not None else None)
+        return None if place is None else np.array(place)
+
+    @cached_property
+    def goal_rotation(self) -> Array | None:
+        """The rotation (4,) to reach, or None."""
+        return None if self.message.goal.rotation is None else np.array(self.message.goal.rotation)
+
+    @property
+    def goal_facing(self) -> float | None:
+        """The heading to reach, radians about z, or None."""
+        return self.message.goal.facing
+
+    @cached_property
+    def goal_object(self) -> WorldObject | None:
+        """The object named as the goal, or None."""
+        return WorldObject.of(self.message.goal.object) if self.message.goal.object is not None else None
+
+    def parameter(self, name: str, default: Value) -> Value:
+        """A parameter, of the default's type; the default where it is missing.
+
+        Raises:
+            TypeError: it has another type.
+        """
+        value = self.parameters.get(name, default)
+        if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if type(value) is not type(default):
+            raise TypeError(f"parameter {name} = {value!r} is no {type(default).__name__}")
+        return cast(Value, value)
+
+    def see(self, row: Array) -> None:
+        """Take in the numbers of a FRAME: the human, and whatever moved. Called by the runtime.
+
+        Raises:
+            ProtocolError: a FRAME of the wrong length.
+        """
+        own = self.frame_size
+        if len(row) < own or (len(row) - own) % size(MOVED):
+            raise ProtocolError(f"FRAME has {len(row)} numbers; {own} and 8 for each object that moved are expected")
+        self.present.row[:] = row[:190]
+        for moved in row[own:].reshape(-1, size(MOVED)):
+            self._move(int(moved[0]), moved[1:4], moved[4:8])
+
+    frame_size = size(FRAME_HUMAN)
+
+    def _move(self, number: int, place: Array, rotation: Array) -> None:
+        """An object is elsewhere now; one that is not known is not missed."""
+        target = self.object if self.object is not None and self.object.id == number else self.world.get(number)
+        if target is not None:
+            target.place[:] = place
+            target.rotation[:] = rotation
+
+
+class HumanTask(Task):
+    """A motion of the human: N frames from the present pose to the goal.
+
+        def nod(task: HumanTask) -> Iterator[HumanPose]:
+            for k in task.frames():
+                yield task.pose({"head": ...})
+    """
+
+    def frames(self) -> Iterator[int]:
+        """k = 1 to N; `present` is the human's pose before each."""
+        yield from range(1, self.length + 1)
+
+    def pose(
+        self,
+        rotations: Array | Mapping[str, Array],
+        root: Array | None = None,
+        importance: Array | Mapping[str, float] | None = None,
+        targets: Array | Mapping[str, Array] | None = None,
+        states: Mapping[str, Any] | None = None,
+    ) -> HumanPose:
+        """The answer to a frame.
+
+        Args:
+            rotations: (43, 4), or (4,) by link name; links that are not named stay as they are at present.
+            root: (3,); as at present if left out.
+            importance: (44,), or by name as `importance_of`. If left out: 1 for what was given, 0 for the rest.
+            targets: (5, 8), or by name as `target_rows`; none if left out.
+            states: states of the target object that this frame changes.
+        """
+        if importance is None:
+            importance = self._importance_of_given(rotations, root)
+        elif isinstance(importance, Mapping):
+            importance = importance_of(importance)
+        if isinstance(rotations, Mapping):
+            named = self.present.rotations.copy()
+            for name, rotation in rotations.items():
+                named[INDEX[name]] = rotation
+            rotations = named
+        if isinstance(targets, Mapping):
+            targets = target_rows(targets)
+        return HumanPose(
+            rotations,
+            self.present.root.copy() if root is None else root,
+            importance,
+            np.zeros((5, 8)) if targets is None else targets,
+            states or {},
+        )
+
+    def block(
+        self, rotations: Array, root: Array, importance: Array | None = None, targets: Array | None = None
+    ) -> Array:
+        """Many frames at once, to be returned or yielded as one: (N, 260), see `ahmss.algorithm.pose.block`."""
+        return block(rotations, root, importance, targets)
+
+    @staticmethod
+    def _importance_of_given(rotations: Array | Mapping[str, Array], root: Array | None) -> Array:
+        """1 for every joint that was given a rotation, and for the root where it was given."""
+        importance = np.zeros(len(INDEX) + 1)
+        if isinstance(rotations, Mapping):
+            importance[[INDEX[name] for name in rotations]] = 1.0
+        else:
+            importance[:43] = 1.0
+        importance[43] = root is not None
+        return importance
+
+
+class ObjectTask(Task):
+    """A motion of an object: at each frame of the human where the object is, until main stops it.
+
+        def follow(task: ObjectTask) -> Iterator[ObjectPose]:
+            for human in task.frames():
+                yield task.pose(human.right_grip.place, task.object.rotation)
+
+    `object` is never None here, and its place and rotation are those before the frame being computed.
+    """
+
+    object: WorldObject
+    frame_size = size(FRAME_OBJECT)
+
+    def __init__(self, start: Start) -> None:
+        super().__init__(start)
+        if start.object is None:
+            raise ProtocolError("START for an object algorithm names no object")
+
+    def frames(self) -> Iterator[HumanFrame]:
+        """The human at each frame, already blended, for as long as main asks."""
+        while True:
+            yield self.present
+
+    def pose(
+        self, place: Array | None = None, rotation: Array | None = None, states: Mapping[str, Any] | None = None
+    ) -> ObjectPose:
+        """The answer to a frame: place (3,) and rotation (4,) of the object, each as it is if left out."""
+        return ObjectPose(
+            self.object.place.copy() if place is None else place,
+            self.object.rotation.copy() if rotation is None else rotation,
+            states or {},
+        )
+
+    def see(self, row: Array) -> None:
+        """Take in the numbers of a FRAME, the object's pose among them. Called by the runtime."""
+        super().see(row)
+        self.object.place[:] = row[190:193]
+        self.object.rotation[:] = row[193:197]
