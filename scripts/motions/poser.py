@@ -5,18 +5,18 @@ Everything is in the stance frame: origin between the feet on the floor, x ahead
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_HAND, RIGHT_HAND, solve
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX, LINKS
-from ahmss.body.quaternion import from_axis_angle, from_rotation_vector, multiply, rotate
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
-__all__ = ["Arm", "Fingers", "Posture", "centre_of_mass", "pose"]
+__all__ = ["STANDING", "Arm", "Fingers", "Posture", "centre_of_mass", "foot_frames", "pose"]
 
 _FOOT_APART = 0.056  # of stature, from the middle to each ankle
 _TOE_OUT = 6.0
@@ -51,8 +51,8 @@ class Fingers:
 
 @dataclass(frozen=True)
 class Posture:
-    """A standing posture. `shift` moves the weight (ahead, left) from the middle of the ankles; `drop` lowers the hips by
-    a share of stature.
+    """A standing posture. `shift` is where the weight is (ahead, left) of the middle of the ankles; `drop` lowers the
+    hips by a share of stature.
 
     The trunk's numbers are degrees: lean ahead, turn to the left, tilt to the left; the head's against the trunk.
     `grips` are wanted hand frames (place 3, quaternion 4) by side.
@@ -74,6 +74,9 @@ class Posture:
     right_fingers: Fingers = Fingers()
     left_fingers: Fingers = Fingers()
     grips: dict[str, Array] = field(default_factory=dict[str, Array])
+
+
+STANDING = Posture()
 
 
 def pose(skeleton: Skeleton, posture: Posture) -> tuple[Array, Array]:

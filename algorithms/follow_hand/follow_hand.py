@@ -1,0 +1,62 @@
+"""An object that follows the hand (Ichiguchi 2000, 5.3.4).
+
+It is caught when the palm is at its wall; from then on it keeps its pose in the palm as it was at that moment, so it
+does not jump, and stays caught for as long as this algorithm runs, whatever the human does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
+from ahmss.body.quaternion import normalize, rotate
+
+
+def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:
+    """The object's pose at each frame of the human."""
+    side = task.hand or "right"
+    in_palm: Transform | None = None
+    for human in task.frames():
+        grip = human.grip(side)
+        if in_palm is None:
+            if not _caught(task, grip, human.k):
+                yield task.pose()
+                continue
+            in_palm = grip.inverse().then(task.object.frame)
+        followed = grip.then(in_palm)
+        yield task.pose(followed.place, normalize(followed.rotation), _told(task, side))
+
+
+def _caught(task: ObjectTask, grip: Transform, k: int) -> bool:
+    """Whether the palm touches the wall, or is near enough at the end of the motion that closes the hand."""
+    distance = abs(_from_wall(task, grip))
+    if distance <= task.parameter("touch", 0.001):
+        return True
+    return k >= task.length and distance <= task.parameter("threshold", 0.03)
+
+
+def _from_wall(task: ObjectTask, grip: Transform) -> float:
+    """The palm's distance from the object's wall, metres, negative inside; the axis is the z of the action's site."""
+    named = task.object.sites.get(task.message.site)
+    axis = task.object.frame
+    if named is not None:
+        axis = axis.then(Transform(np.array(named.position), np.array(named.rotation)))
+    diameter = task.parameter("diameter", 0.0) or float(task.object.properties.get("diameter", 0.0))
+    apart = grip.place - axis.place
+    along = rotate(axis.rotation, np.array([0.0, 0.0, 1.0]))
+    if diameter > 0.0:
+        apart = apart - (apart @ along) * along
+    return float(np.linalg.norm(apart)) - 0.5 * diameter
+
+
+def _told(task: ObjectTask, side: str) -> dict[str, str]:
+    """The object's state `held`, for one that has it."""
+    if "held" not in task.object.states:
+        return {}
+    return {"held": side if task.object.states["held"] in ("right", "left") else "yes"}
+
+
+if __name__ == "__main__":
+    run(follow_hand)

@@ -1,0 +1,69 @@
+"""Playing a captured or composed motion (Ichiguchi 2000, 5.3.1) in the frames asked for.
+
+The clip's hands and gaze go to their targets in the world; feet that bear weight stay where they touched down.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from ahmss.motion.resample import resample
+
+from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.staging import Staged, face, stage
+from ahmss.body.array import Array
+from ahmss.errors import AlgorithmError
+from ahmss.motion.planting import feet
+
+BEARING = 0.5  # contacts above this bear weight
+
+
+def playback(task: HumanTask) -> Array:
+    """All frames (N, 260) of the clip."""
+    if task.motion is None:
+        raise AlgorithmError("playback needs a motion clip")
+    # The clip's first frame is where the motion starts from, so N frames more are made.
+    staged = stage(task, resample(task.motion, task.length + 1))
+    targets = _targets(task, staged)
+    importance = staged.clip.importance * task.parameter("importance", 1.0)
+    return task.block(staged.rotations[1:], staged.root[1:], importance[1:], targets[1:])
+
+
+def _targets(task: HumanTask, staged: Staged) -> Array:
+    """The clip's targets (N + 1, 5, 8) in the world, and the feet that bear."""
+    targets = np.zeros((staged.clip.frames, 5, 8))
+    own_face = staged.clip.header.targets == "face"
+    base = face(task, staged.rotations, staged.root) if own_face else staged.base
+    if base is not None:
+        for row in range(5):
+            local = staged.local[:, row]
+            placed = base.then(Transform.of(local)).row()
+            free = ~local[:, 3:7].any(axis=1)
+            targets[:, row, :7] = np.where(free[:, None] & (np.arange(7) > 2), 0.0, placed)
+            targets[:, row, 7] = local[:, 7]
+    if staged.planted:
+        targets[:, 2:4, :7], targets[:, 2:4, 7] = staged.feet, 1.0
+    else:
+        _plant_steps(task, staged, targets)
+    return targets
+
+
+def _plant_steps(task: HumanTask, staged: Staged, targets: Array) -> None:
+    """Each time that a foot bears, keep it where it is on the average of that time."""
+    frames = feet(task.human, staged.rotations, staged.root)
+    for foot in range(2):
+        bears = staged.clip.contacts[:, foot] > BEARING
+        for start, end in _spans(bears):
+            middle = frames[(start + end) // 2, foot]
+            targets[start:end, 2 + foot, :3] = frames[start:end, foot, :3].mean(axis=0)
+            targets[start:end, 2 + foot, 3:7] = middle[3:7]
+            targets[start:end, 2 + foot, 7] = staged.clip.contacts[start:end, foot]
+
+
+def _spans(bears: Array) -> list[tuple[int, int]]:
+    """Where a row of truths is true: first frame and the one after the last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], bears, [False]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+if __name__ == "__main__":
+    run(playback)

@@ -1,0 +1,145 @@
+"""From the present pose through the keyframes of a clip by slerp (Ichiguchi 2000, 5.3.3).
+
+Every keyframe is reached at rest along a minimum-jerk profile. Hands with a target go there along their own path, the
+orientation set before the place; the gaze goes first. All frames are computed at the start.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.staging import Staged, face, stage
+from ahmss.body.array import Array
+from ahmss.body.quaternion import normalize
+from ahmss.body.quaternion import slerp as interpolate
+from ahmss.errors import AlgorithmError
+from ahmss.motion.clip import Clip
+from ahmss.motion.easing import minimum_jerk
+
+HANDS = ("right", "left")
+GAZE = 4
+TURNED_BY = 0.75  # share of the time by which a hand has its orientation
+GAZE_SECONDS = 0.5  # a head needs for a usual turn
+
+
+@dataclass(frozen=True)
+class Course:
+    """At each of N frames: the keyframe that comes next, the share of the time to it, and the share of the way."""
+
+    key: Array
+    time: Array
+    done: Array
+
+
+def slerp(task: HumanTask) -> Array:
+    """All frames (N, 260) from the present pose to the clip's last keyframe."""
+    clip = task.posture or task.motion
+    if clip is None:
+        raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
+    staged = stage(task, clip if task.posture is None else _last(clip))
+    course = _course(task.length, staged.clip)
+    key = course.key
+    before = np.maximum(key - 1, 0)
+    start = np.concatenate([task.start.rotations[None], staged.rotations])
+    rotations = interpolate(start[key], staged.rotations[key], course.done[:, None])
+    way = np.concatenate([task.start.root[None], staged.root])
+    root = way[key] + course.done[:, None] * (staged.root[key] - way[key])
+    given = staged.clip.importance
+    importance = given[before] + course.done[:, None] * (given[key] - given[before])
+    return task.block(rotations, root, importance, _targets(task, staged, course, rotations, root))
+
+
+def _last(clip: Clip) -> Clip:
+    """The posture that a clip ends in."""
+    targets = None if clip.targets is None else clip.targets[-1:]
+    return Clip(
+        clip.rotations[-1:], clip.root[-1:], clip.importance[-1:], clip.contacts[-1:], clip.rate, targets, clip.header
+    )
+
+
+def _course(length: int, clip: Clip) -> Course:
+    """Spread the keyframes over the frames asked for: at the header's times, evenly where it has none."""
+    times = np.array(clip.header.times or np.arange(1, clip.frames + 1) / clip.frames)
+    now = np.arange(1, length + 1) / length * times[-1]
+    key = np.minimum(np.searchsorted(times, now - 1e-9), clip.frames - 1)
+    starts = np.concatenate([[0.0], times[:-1]])
+    time = np.clip((now - starts[key]) / (times - starts)[key], 0.0, 1.0)
+    return Course(key, time, minimum_jerk(time))
+
+
+def _targets(task: HumanTask, staged: Staged, course: Course, rotations: Array, root: Array) -> Array:
+    """Targets (N, 5, 8): hands along their paths, feet where they stand, gaze."""
+    targets = np.zeros((task.length, 5, 8))
+    if staged.planted:
+        targets[:, 2:4, :7], targets[:, 2:4, 7] = staged.feet, 1.0
+    base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
+    for row in range(2):
+        if base is not None and staged.local[:, row, 7].any():
+            targets[:, row] = _hand(task, staged, course, base, row)
+    if base is not None:
+        targets[:, GAZE] = _gaze(task, staged, course, base)
+    return targets
+
+
+def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row: int) -> Array:
+    """A hand's target (N, 8): by minimum jerk from key to key, each of them moving with what it is relative to."""
+    ends = _wanted_grips(task, staged, base, row)
+    start = np.broadcast_to(task.start.grip(HANDS[row]).row(), ends[0].shape)
+    stops = np.stack([start, *ends])  # (K + 1, N, 7)
+    frames = np.arange(task.length)
+    a, b = stops[course.key, frames], stops[course.key + 1, frames]
+    out = np.empty((task.length, 8))
+    done = course.done[:, None]
+    out[:, :3] = a[:, :3] + done * (b[:, :3] - a[:, :3])
+    rise = task.parameter("arc", 0.03) * 16.0 * course.done**2 * (1.0 - course.done) ** 2
+    out[:, 2] += np.where(course.key == 0, rise, 0.0)
+    out[:, 3:7] = interpolate(a[:, 3:], b[:, 3:], minimum_jerk(course.time / TURNED_BY))
+    weights = np.concatenate([staged.local[:1, row, 7], staged.local[:, row, 7]])
+    out[:, 7] = weights[course.key] + course.done * (weights[course.key + 1] - weights[course.key])
+    return out
+
+
+def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) -> list[Array]:
+    """Where the palm shall be at each key, (N, 7) each.
+
+    While the object is held, the clip says where the object's site goes, and the palm stays on it as it is.
+    """
+    shape = (task.length, 7)
+    wanted = [base.then(Transform.of(key)) for key in staged.local[:, row, :7]]
+    grip = task.start.grip(HANDS[row])
+    if task.hold in ("keep", "release") and task.site is not None and task.object is not None:
+        on_site = task.site.inverse().then(grip)
+        wanted = [site.then(on_site) for site in wanted]
+        if task.goal_place is not None:
+            wanted[-1] = _goal(task).then(task.object.frame.inverse().then(grip))
+    elif task.goal_place is not None:
+        rotation = wanted[-1].rotation if task.goal_rotation is None else task.goal_rotation
+        wanted[-1] = Transform(np.broadcast_to(task.goal_place, (*rotation.shape[:-1], 3)), rotation)
+    return [np.broadcast_to(frame.row(), shape) for frame in wanted]
+
+
+def _goal(task: HumanTask) -> Transform:
+    """Where the object shall stand: at the goal's place, upright, its own heading kept unless another is asked for."""
+    assert task.object is not None
+    assert task.goal_place is not None
+    upright = normalize(task.object.rotation * np.array([1.0, 0.0, 0.0, 1.0]))
+    return Transform(task.goal_place, upright if task.goal_rotation is None else task.goal_rotation)
+
+
+def _gaze(task: HumanTask, staged: Staged, course: Course, base: Transform) -> Array:
+    """The gaze's target (N, 8): there at once, the head following within half a second."""
+    local = staged.local[course.key, GAZE]
+    rise = minimum_jerk(np.arange(1, task.length + 1) / (GAZE_SECONDS * task.rate))
+    out = np.zeros((task.length, 8))
+    out[:, :3] = base.apply(local[:, :3])
+    weights = np.concatenate([[0.0], staged.local[:, GAZE, 7]])
+    fade = weights[course.key] + course.done * (weights[course.key + 1] - weights[course.key])
+    out[:, 7] = np.where(course.key == 0, rise * local[:, 7], fade) * task.parameter("gaze", 1.0)
+    return out
+
+
+if __name__ == "__main__":
+    run(slerp)
