@@ -24,7 +24,7 @@ Rows = NDArray[np.bool_]
 
 
 class Channel(ABC):
-    """Rows of one kind of value, each smoothed across the changes of its own source.
+    """Rows of one kind of value, each smoothed across the changes of its own source; `present` came out last.
 
     At a row's change the output carries on for one frame with the present velocity, because the new source's velocity
     is known only with its second frame; from then on it is the source with a decaying offset.
@@ -36,7 +36,7 @@ class Channel(ABC):
         self._decayed = len(self._left) - 1
         self._frame = np.full(rows, self._decayed)  # frames since the row's change; 0 waits for the second one
         self._active = False
-        self._present: Array | None = None
+        self.present: Array | None = None
         self._before: Array | None = None
         self._waiting: tuple[Array, Array, Array] | None = None  # source, output, output carried on once more
         self._offset, self._speed = np.zeros((rows, 3)), np.zeros((rows, 3))
@@ -48,13 +48,13 @@ class Channel(ABC):
 
     def place(self, values: Array) -> None:
         """Stand still at these values, as after a jump that is meant."""
-        self._present, self._before = values, None
+        self.present, self._before = values, None
         self._frame[:] = self._decayed
         self._active = False
 
     def settle(self, values: Array) -> None:
         """Tell what this frame came out as in the end: the next present. Not copied, so not to be changed after."""
-        self._before, self._present = self._present, values
+        self._before, self.present = self.present, values
 
     def step(self, source: Array, switched: Rows) -> Array:
         """The smoothed values of this frame; the source itself while nothing decays.
@@ -63,7 +63,7 @@ class Channel(ABC):
             source: (rows, 3 or 4) this frame's values.
             switched: (rows,) whose source is another one from this frame on.
         """
-        if self._present is None:
+        if self.present is None:
             self.place(source)
         if switched.any():
             self._active = True
@@ -79,10 +79,10 @@ class Channel(ABC):
         return self._with_offset(source)
 
     def _carry_on(self, source: Array, switched: Rows) -> Array:
-        assert self._present is not None
-        before = self._present if self._before is None else self._before
-        velocity = _DAMPING * self._difference(before, self._present)
-        output = self._add(self._present, velocity)
+        assert self.present is not None
+        before = self.present if self._before is None else self._before
+        velocity = _DAMPING * self._difference(before, self.present)
+        output = self._add(self.present, velocity)
         self._waiting = (source, output, self._add(output, _DAMPING * velocity))
         self._frame[switched] = 0
         return np.where(switched[:, None], output, self._with_offset(source))

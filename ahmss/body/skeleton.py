@@ -14,7 +14,7 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, PARENTS
-from ahmss.body.quaternion import conjugate, multiply, normalize, rotate
+from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply, normalize, rotate
 
 __all__ = ["UPRIGHT_WORLD", "Skeleton", "mirror"]
 
@@ -47,6 +47,18 @@ def _upright_world() -> Array:
 
 
 UPRIGHT_WORLD: Array = _upright_world()
+
+
+def _relaxed() -> dict[str, tuple[float, float, float]]:
+    """What turns the right side from upright to relaxed, rotation vectors in degrees; x and z mirror to the left."""
+    curl = {"proximal": 20.0, "intermediate": 28.0, "distal": 14.0}
+    pose = {"upper_arm": (-4.0, 0.0, 6.0), "lower_arm": (0.0, 14.0, 0.0), "hand": (0.0, 0.0, -4.0)}
+    for i, finger in enumerate(("index", "middle", "ring", "little")):
+        pose |= {f"{finger}_{segment}": (0.0, 0.0, -(angle + 3.0 * i)) for segment, angle in curl.items()}
+    return pose | {"thumb_proximal": (-45.0, 28.0, -20.0), "thumb_distal": (0.0, 0.0, -12.0)}
+
+
+_RELAXED = _relaxed()
 
 
 @dataclass(frozen=True, eq=False)  # arrays have no one truth value: a skeleton is itself
@@ -88,6 +100,16 @@ class Skeleton:
         foot = INDEX["right_foot"]
         sole = places[foot] + rotate(world[foot], self.soles)
         return rotations, np.array([0.0, 0.0, -float(sole[:, 2].min())])
+
+    def relaxed(self) -> tuple[Array, Array]:
+        """A person who just stands, heading 0: upright, the arms hanging a little open and bent, the fingers curled."""
+        rotations, root = self.upright()
+        for name, degrees in _RELAXED.items():
+            vector = np.radians(degrees)
+            right, left = INDEX[f"right_{name}"], INDEX[f"left_{name}"]
+            rotations[right] = multiply(rotations[right], from_rotation_vector(vector))
+            rotations[left] = multiply(rotations[left], from_rotation_vector(vector * (-1.0, 1.0, -1.0)))
+        return rotations, root
 
     def to_record(self) -> dict[str, Any]:
         """Plain JSON types, for START and for the world."""
