@@ -285,7 +285,8 @@ class WorldClient:
         have = self._ask(schema.PutAsset(name, size, 0, b""), schema.AssetPart).offset
         while have < size:
             offset = have
-            have = self._ask(schema.PutAsset(name, size, offset, data[offset : offset + CHUNK]), schema.AssetPart).offset
+            part = schema.PutAsset(name, size, offset, data[offset : offset + CHUNK])
+            have = self._ask(part, schema.AssetPart).offset
             if have <= offset:
                 raise WorldError(f"the server takes no more of asset {name[:12]}; try again")
         return name

@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.world.schema import POSE_WIDTH
@@ -35,7 +36,7 @@ def pack(human: int, frame: int, root: Array, rotations: Array, moved: Array | N
     return head + body if moved is None else head + body + moved.astype("<f8", copy=False).tobytes()
 
 
-def faulty(places: Array, rotations: Array) -> Array:
+def faulty(places: Array, rotations: Array) -> NDArray[np.bool_]:
     """Which of n poses are none: not finite, too far, or a rotation that is not a unit quaternion; (n,) bool.
 
     places: (n, 3). rotations: (n, links, 4).

@@ -2,7 +2,8 @@
 
 The file begins with `AHMSSREC` and a version (u32). Records follow: length u32, kind u8, CRC-32 of the payload u32,
 payload. A snapshot is one published by the server, its time being tick / rate, so that nothing of the clock on the wall
-is in it. An asset comes before the first scene that names it. A file that was cut off is read up to its last whole record.
+is in it. An asset comes before the first scene that names it. A file that was cut off is read up to its last whole
+record.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ _FILE_HEAD = struct.Struct("<8sI")
 _RECORD_HEAD = struct.Struct("<IBI")
 _ASSET, _SCENE, _SNAPSHOT = 2, 3, 4
 _HASH_LENGTH = 64
+_BUFFER = 1 << 18
 
 _encode = msgspec.msgpack.Encoder().encode
 _scene_decoder = msgspec.msgpack.Decoder(Scene)
@@ -44,7 +46,7 @@ class Writer:
         asset: gives the bytes of a hash, or None.
 
     Raises:
-        DataError: the file can't be begun. Later, `write` raises OSError (a full disk) and what is whole stays readable.
+        DataError: the file can't be begun. Later, `write` raises OSError (a full disk); what is whole stays readable.
     """
 
     def __init__(self, path: Path, asset: Callable[[str], bytes | None]) -> None:
@@ -54,10 +56,10 @@ class Writer:
         self._revision = -1
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = path.open("wb", buffering=1 << 18)
+            self._file = path.open("wb", buffering=0)
         except OSError as error:
             raise DataError(path, "", f"a recording can't be written here: {error.strerror}") from error
-        self._file.write(_FILE_HEAD.pack(_MAGIC, _VERSION))
+        self._buffer = bytearray(_FILE_HEAD.pack(_MAGIC, _VERSION))
 
     def write(self, snapshot: Snapshot, scene: Callable[[], Scene]) -> None:
         """Add one tick; `scene` is asked for where the snapshot's revision is a new one."""
@@ -68,11 +70,20 @@ class Writer:
 
     def flush(self) -> None:
         """Give what is buffered to the system."""
-        self._file.flush()
+        left = memoryview(self._buffer)
+        try:
+            while left:
+                left = left[self._file.write(left) :]
+        finally:
+            left.release()
+            self._buffer = bytearray()
 
     def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+        """Finish the file."""
+        try:
+            self.flush()
+        finally:
+            self._file.close()
 
     def _write_scene(self, scene: Scene) -> None:
         for record in (*scene.humans, *scene.objects):
@@ -85,7 +96,10 @@ class Writer:
         self._record(_SCENE, _encode(scene))
 
     def _record(self, kind: int, payload: bytes) -> None:
-        self._file.write(_RECORD_HEAD.pack(len(payload), kind, zlib.crc32(payload)) + payload)
+        self._buffer += _RECORD_HEAD.pack(len(payload), kind, zlib.crc32(payload))
+        self._buffer += payload
+        if len(self._buffer) > _BUFFER:
+            self.flush()
 
 
 class Reader:
@@ -104,7 +118,7 @@ class Reader:
             with self.path.open("rb") as file:
                 head = file.read(_FILE_HEAD.size)
                 if len(head) < _FILE_HEAD.size or head[:8] != _MAGIC:
-                    raise DataError(path, "", "this is no AHMSS recording; make one with `ahmss play SCRIPT --record FILE`")
+                    raise DataError(path, "", "this is no recording; make one with `ahmss play SCRIPT --record FILE`")
                 if _FILE_HEAD.unpack(head)[1] != _VERSION:
                     raise DataError(path, "", "this recording was made by a newer AHMSS; update this one")
                 self._data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
@@ -166,7 +180,7 @@ class Reader:
     def asset(self, name: str) -> bytes:
         """A shape, texture or skeleton record by its hash. DataError: not in this recording."""
         if name not in self._assets:
-            raise DataError(self.path, name[:12], "this shape or texture is not in the recording; it was cut off, or made so")
+            raise DataError(self.path, name[:12], "this asset is not in the recording, which was cut off")
         start, size = self._assets[name]
         data = self._data[start : start + size]
         if content_hash(data) != name:

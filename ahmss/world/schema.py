@@ -14,12 +14,51 @@ import msgspec
 from ahmss.errors import ProtocolError
 
 __all__ = [
-    "CHUNK", "POSE_WIDTH", "VERSION",
-    "Add", "Added", "AssetPart", "Claim", "Done", "GetAsset", "GetScene", "GetSnapshot", "Heartbeat", "Hello",
-    "HumanRecord", "Join", "JoinFirst", "Joined", "Leave", "Move", "NewObject", "ObjectChange", "ObjectPose",
-    "ObjectRecord", "PutAsset", "Refused", "Release", "Remove", "Reply", "Request", "Scene", "SetState", "Snapshot",
-    "StateChange", "StateValue", "Sync", "Ticked", "Transfer", "Welcome",
-    "content_hash", "decode_reply", "decode_request", "decode_snapshot", "encode",
+    "CHUNK",
+    "POSE_WIDTH",
+    "VERSION",
+    "Add",
+    "Added",
+    "AssetPart",
+    "Claim",
+    "Done",
+    "GetAsset",
+    "GetScene",
+    "GetSnapshot",
+    "GetStats",
+    "Heartbeat",
+    "Hello",
+    "HumanRecord",
+    "Join",
+    "JoinFirst",
+    "Joined",
+    "Leave",
+    "Move",
+    "NewObject",
+    "ObjectChange",
+    "ObjectPose",
+    "ObjectRecord",
+    "PutAsset",
+    "Refused",
+    "Release",
+    "Remove",
+    "Reply",
+    "Request",
+    "Scene",
+    "SetState",
+    "Snapshot",
+    "StateChange",
+    "StateValue",
+    "Stats",
+    "Sync",
+    "Ticked",
+    "Transfer",
+    "Welcome",
+    "content_hash",
+    "decode_reply",
+    "decode_request",
+    "decode_snapshot",
+    "encode",
 ]  # fmt: skip
 
 VERSION = 1
@@ -287,9 +326,15 @@ class Sync(msgspec.Struct, frozen=True, tag="sync"):
     request: int = 0
 
 
+class GetStats(msgspec.Struct, frozen=True, tag="get_stats"):
+    """How busy is the server? Answered by Stats."""
+
+    request: int = 0
+
+
 Request = (
     Hello | Heartbeat | Join | Leave | Add | Remove | Move | Claim | Release | Transfer | SetState
-    | GetScene | GetSnapshot | PutAsset | GetAsset | Sync
+    | GetScene | GetSnapshot | PutAsset | GetAsset | Sync | GetStats
 )  # fmt: skip
 
 
@@ -373,7 +418,23 @@ class Ticked(msgspec.Struct, frozen=True, tag="ticked"):
     humans_gone: list[int] = []
 
 
-Reply = Welcome | Done | Joined | Added | Refused | AssetPart | JoinFirst | Ticked | Scene | Snapshot
+class Stats(msgspec.Struct, frozen=True, tag="stats"):
+    """The server's last ticks, at most 4096. busy_ms: work of each tick, frames taken in and snapshots out.
+
+    late_ms: how long after its time each tick was done, work included. malformed: messages that were none.
+    """
+
+    request: int
+    busy_ms: list[float]
+    late_ms: list[float]
+    humans: int = 0
+    frames: int = 0
+    missed: int = 0
+    malformed: int = 0
+    sessions: int = 0
+
+
+Reply = Welcome | Done | Joined | Added | Refused | AssetPart | JoinFirst | Ticked | Scene | Snapshot | Stats
 
 
 _encoder = msgspec.msgpack.Encoder()
