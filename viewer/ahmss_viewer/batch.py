@@ -52,23 +52,36 @@ def open_image(data: bytes) -> Texture | None:
 
 
 class Batch(Primitive):
-    """Vertices and faces in buffers; `links` (43, 3, 4) float32 moves a skinned one."""
+    """Vertices and faces in buffers.
+
+    One with a skin has `influences` 1 to 4, the most links that move a vertex; `links` (43, 3, 4) float32 are theirs.
+    """
 
     def __init__(
-        self, vertices: NDArray[Any], faces: NDArray[Any], texture: Texture | None = None, skinned: bool = False
+        self,
+        vertices: NDArray[Any],
+        faces: NDArray[Any],
+        texture: Texture | None = None,
+        *,
+        influences: int = 0,
+        two_sided: bool = False,
     ) -> None:
         super().__init__(positions=vertices["position"], mode=GL.GL_TRIANGLES)
         self.vertices = vertices
         self.faces = np.ascontiguousarray(faces, np.uint32)
         self.texture = texture
-        self.skinned = skinned
+        self.influences = influences
+        self.two_sided = two_sided
         self.links: NDArray[np.float32] = np.zeros((43, 3, 4), np.float32)
         self._vaid: Any = None
 
     @classmethod
     def of(cls, surface: Surface, texture: Texture | None) -> Batch:
         """A surface by itself, in its own frame."""
-        return cls(pack(surface), surface.faces, texture, skinned=surface.skin is not None)
+        influences = 0
+        if surface.skin is not None:
+            influences = int(np.flatnonzero(surface.skin.weights.max(axis=0)).max()) + 1
+        return cls(pack(surface), surface.faces, texture, influences=influences, two_sided=surface.two_sided)
 
     def _add_to_context(self) -> None:
         """Upload; called by the painter when the batch is first drawn."""
@@ -89,7 +102,7 @@ class Batch(Primitive):
                 at = ctypes.c_void_p(fields[name][1])
                 GL.glVertexAttribPointer(place, width, kind, scaled, stride, at)
                 GL.glEnableVertexAttribArray(place)
-        if self.skinned:
+        if self.influences:
             GL.glVertexAttribIPointer(4, 4, GL.GL_UNSIGNED_BYTE, stride, ctypes.c_void_p(fields["joints"][1]))
             GL.glEnableVertexAttribArray(4)
         GL.glBindBuffer(GL.GL_ELEMENT_ARRAY_BUFFER, self._buffers[1])

@@ -80,6 +80,5 @@ class Writer:
     def _forget(self) -> None:
         """Free all textures."""
         for texture, _, _ in self._made.values():
-            if texture._in_context():
-                texture.delete()
+            texture.delete()
         self._made.clear()

@@ -46,7 +46,8 @@ def plain_figure(skeleton: Skeleton) -> tuple[Surface, ...]:
             count += len(body)
     held = np.zeros((count, 4), np.uint8)
     held[:, 0] = np.concatenate(joints)
-    skin = Skin(held, np.tile(np.array([255, 0, 0, 0], np.uint8), (count, 1)), np.linalg.inv(T_world_link))
+    whole = np.tile(np.array([255, 0, 0, 0], np.uint8), (count, 1))
+    skin = Skin(held, whole, np.linalg.inv(T_world_link).astype(float))
     surface = Surface(
         np.concatenate(positions).astype(np.float32), np.concatenate(normals).astype(np.float32),
         np.concatenate(colours).astype(np.uint8), np.concatenate(faces).astype(np.uint32), skin=skin,

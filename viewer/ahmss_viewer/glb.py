@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -86,7 +87,7 @@ class _File:
             raise ValueError(f"a face names vertex {int(faces.max())} of {count}")
         normals = self._array(attributes["NORMAL"]).astype(np.float32) if "NORMAL" in attributes else None
         texcoords = self._scaled(attributes["TEXCOORD_0"])[:, :2] if "TEXCOORD_0" in attributes else None
-        factor, image = self._material(primitive.get("material"))
+        factor, image, two_sided = self._material(primitive.get("material"))
         colours = np.broadcast_to(factor, (count, 4))
         if "COLOR_0" in attributes:
             own = self._scaled(attributes["COLOR_0"])
@@ -97,13 +98,13 @@ class _File:
         if skin is not None:
             held = self._skin(skin, attributes)
             shown = normals if normals is not None else _smooth(positions, faces)
-            return Surface(positions, shown, colours, faces, texcoords, image, held)
+            return Surface(positions, shown, colours, faces, texcoords, image, held, two_sided)
         positions = positions @ T_world_node[:3, :3].T.astype(np.float32) + T_world_node[:3, 3].astype(np.float32)
         if normals is not None:
             turned = normals @ np.linalg.inv(T_world_node[:3, :3]).astype(np.float32)
             turned /= np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12)
-            return Surface(positions, turned, colours, faces, texcoords, image)
-        return _creased(positions, colours, faces, texcoords, image)
+            return Surface(positions, turned, colours, faces, texcoords, image, None, two_sided)
+        return _creased(Surface(positions, positions, colours, faces, texcoords, image, None, two_sided))
 
     def _skin(self, index: int, attributes: _Json) -> Skin:
         """The four joints and weights of each vertex, and the inverse bind matrices."""
@@ -118,21 +119,23 @@ class _File:
         rounded[np.arange(len(rounded)), weights.argmax(axis=1)] += 255 - rounded.sum(axis=1)
         return Skin(joints.astype(np.uint8), rounded.astype(np.uint8), inverse_binds)
 
-    def _material(self, index: int | None) -> tuple[NDArray[Any], bytes | None]:
-        """Base colour (4,), sRGB 0..1, and the texture's bytes."""
+    def _material(self, index: int | None) -> tuple[NDArray[Any], bytes | None, bool]:
+        """Base colour (4,), sRGB 0..1, the texture's bytes, and whether both sides are seen."""
         if index is None:
-            return np.ones(4), None
-        surface: _Json = self.tree["materials"][index].get("pbrMetallicRoughness", {})
+            return np.ones(4), None, False
+        material: _Json = self.tree["materials"][index]
+        two_sided = bool(material.get("doubleSided", False))
+        surface: _Json = material.get("pbrMetallicRoughness", {})
         factor = np.array(surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), float)
         texture = surface.get("baseColorTexture")
         if texture is None:
-            return factor, None
+            return factor, None, two_sided
         source: _Json = self.tree["images"][self.tree["textures"][texture["index"]]["source"]]
         if "bufferView" not in source:
             raise ValueError("its texture lies outside the file")
         view: _Json = self.tree["bufferViews"][source["bufferView"]]
         start = int(view.get("byteOffset", 0))
-        return factor, self.binary[start : start + int(view["byteLength"])]
+        return factor, self.binary[start : start + int(view["byteLength"])], two_sided
 
     def _array(self, index: int) -> NDArray[Any]:
         """The numbers of an accessor, (count, width)."""
@@ -180,23 +183,21 @@ def _smooth(positions: NDArray[Any], faces: NDArray[Any]) -> NDArray[np.float32]
     return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-20)).astype(np.float32)
 
 
-def _creased(
-    positions: NDArray[Any],
-    colours: NDArray[Any],
-    faces: NDArray[Any],
-    texcoords: NDArray[Any] | None,
-    image: bytes | None,
-) -> Surface:
+def _creased(surface: Surface) -> Surface:
     """A surface without normals gets them, its vertices split where an edge is sharp and joined where it is soft."""
-    faces = facing_out(positions, faces)
-    normals = corner_normals(positions, faces).reshape(-1, 3)
+    faces = facing_out(surface.positions, surface.faces)
+    normals = corner_normals(surface.positions, faces).reshape(-1, 3)
     corner = faces.reshape(-1)
-    columns = [positions[corner], np.round(normals, 2), colours[corner].astype(np.float32)]
-    if texcoords is not None:
-        columns.append(texcoords[corner])
+    columns = [surface.positions[corner], np.round(normals, 2), surface.colours[corner].astype(np.float32)]
+    if surface.texcoords is not None:
+        columns.append(surface.texcoords[corner])
     _, first, again = np.unique(np.hstack(columns), axis=0, return_index=True, return_inverse=True)
     kept = corner[first]
-    return Surface(
-        positions[kept], normals[first], colours[kept], again.reshape(-1, 3).astype(np.uint32),
-        None if texcoords is None else texcoords[kept], image,
-    )  # fmt: skip
+    return replace(
+        surface,
+        positions=surface.positions[kept],
+        normals=normals[first],
+        colours=surface.colours[kept],
+        texcoords=None if surface.texcoords is None else surface.texcoords[kept],
+        faces=again.reshape(-1, 3).astype(np.uint32),
+    )

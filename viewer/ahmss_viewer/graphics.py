@@ -102,9 +102,11 @@ class Offscreen:
         return platform
 
     def __enter__(self) -> Offscreen:
+        """The context itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Close."""
         self.close()
 
     def close(self) -> None:

@@ -31,16 +31,14 @@ class Painter:
     """Draws in the current context. `fine`: softer shadows from larger maps, for recordings."""
 
     def __init__(self, *, fine: bool = False) -> None:
-        extra = ("FINE",) if fine else ()
-        kinds = [(skinned, textured) for skinned in (False, True) for textured in (False, True)]
-        self._solid = {
-            (skinned, textured): Program("solid", *["SKINNED"] * skinned, *["TEXTURED"] * textured, *extra)
-            for skinned, textured in kinds
-        }
-        self._depth = {skinned: Program("depth", *["SKINNED"] * skinned) for skinned in (False, True)}
+        self._extra = ("FINE",) if fine else ()
+        self._programs: dict[tuple[str, int, bool], Program] = {}
+        self._told: set[Program] = set()
+        self._matrices: dict[str, Array] = {}
+        self._vectors: dict[str, Array] = {}
         self._sky = Program("sky")
         self._flat = Program("picture")
-        self._still = ShadowMap(2048)
+        self._still = ShadowMap(2048 if fine else 1024)
         self._live = ShadowMap(1024 if fine else 512)
         self._empty: Any = GL.glGenVertexArrays(1)
         self._still_shown: tuple[int, ...] = ()
@@ -61,6 +59,7 @@ class Painter:
         identity = np.eye(4)
         for batch in stage.still():
             self._draw_solid(batch, identity)
+        GL.glDisable(GL.GL_CULL_FACE)
         self._draw_sky()
         self._draw_flats(flats, size)
 
@@ -80,7 +79,7 @@ class Painter:
     def _cast_into(self, shadow: ShadowMap, bounds: Array | None, batches: Iterable[tuple[Batch, Array]]) -> None:
         shadow.begin(sun_view(self._sun, bounds))
         for batch, T_world_model in batches:
-            program = self._depth[batch.skinned]
+            program = self._program("depth", batch.influences, textured=False)
             program.use()
             program.matrix("T_clip_world", shadow.T_clip_world)
             _place(program, batch, T_world_model)
@@ -88,29 +87,45 @@ class Painter:
         shadow.end()
 
     def _light(self, T_clip_world: Array, view: View) -> None:
-        """Tell every program of this picture's camera, lights and shadows."""
+        """Note this picture's camera, lights and shadows, for each program when it is first used."""
         fill = view.pose()[:3, 2] * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, 0.5])
-        fill /= np.linalg.norm(fill)
+        T_live_still = self._live.to_texture() @ np.linalg.inv(self._still.to_texture())
         self._still.bind(_STILL_UNIT)
         self._live.bind(_LIVE_UNIT)
-        for program in self._solid.values():
-            program.use()
-            program.matrix("T_clip_world", T_clip_world)
-            program.matrix("T_still_world", self._still.T_texture_world)
-            program.matrix("T_live_world", self._live.T_texture_world)
-            program.vectors("sun", self._sun)
-            program.vectors("fill", fill)
-            program.number("still_map", _STILL_UNIT)
-            program.number("live_map", _LIVE_UNIT)
-            program.number("image", _IMAGE_UNIT)
+        self._matrices = {"T_clip_world": T_clip_world, "T_still_world": self._still.to_texture()}
+        self._vectors = {
+            "sun": self._sun,
+            "fill": fill / np.linalg.norm(fill),
+            "live_scale": np.diagonal(T_live_still)[:3],
+            "live_shift": T_live_still[:3, 3],
+        }
+        self._told.clear()
 
     def _draw_solid(self, batch: Batch, T_world_model: Array) -> None:
-        program = self._solid[batch.skinned, batch.texture is not None]
+        program = self._program("solid", batch.influences, textured=batch.texture is not None)
         program.use()
+        if program not in self._told:
+            self._told.add(program)
+            for name, matrix in self._matrices.items():
+                program.matrix(name, matrix)
+            for name, vector in self._vectors.items():
+                program.vectors(name, vector)
+            for name, unit in (("still_map", _STILL_UNIT), ("live_map", _LIVE_UNIT), ("image", _IMAGE_UNIT)):
+                program.number(name, unit)
         _place(program, batch, T_world_model)
         if batch.texture is not None:
             _bind_image(batch.texture)
+        (GL.glDisable if batch.two_sided else GL.glEnable)(GL.GL_CULL_FACE)
         batch.draw()
+
+    def _program(self, name: str, influences: int, *, textured: bool) -> Program:
+        """The program for such a batch, compiled when it is first needed."""
+        key = (name, influences, textured)
+        if key not in self._programs:
+            defines = dict.fromkeys(self._extra, 1) | ({"TEXTURED": 1} if textured else {})
+            defines |= {"SKINNED": 1, "INFLUENCES": influences} if influences else {}
+            self._programs[key] = Program(name, defines)
+        return self._programs[key]
 
     def _draw_sky(self) -> None:
         """Behind everything: only pixels that nothing covers."""
@@ -142,13 +157,13 @@ class Painter:
         """Free what it holds."""
         self._still.delete()
         self._live.delete()
-        for program in (*self._solid.values(), *self._depth.values(), self._sky, self._flat):
+        for program in (*self._programs.values(), self._sky, self._flat):
             program.delete()
 
 
 def _place(program: Program, batch: Batch, T_world_model: Array) -> None:
     """Where the batch is: a matrix, or the links of a skin."""
-    if batch.skinned:
+    if batch.influences:
         program.vectors("links", batch.links.reshape(-1, 4))
     else:
         program.matrix("T_world_model", T_world_model)
@@ -156,7 +171,7 @@ def _place(program: Program, batch: Batch, T_world_model: Array) -> None:
 
 def _bind_image(texture: Any) -> None:
     """Bind a pyrender texture to the image unit, uploading it at the first time."""
-    GL.glActiveTexture(GL.GL_TEXTURE0 + _IMAGE_UNIT)
+    GL.glActiveTexture(int(GL.GL_TEXTURE0) + _IMAGE_UNIT)
     if not texture._in_context():
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
         texture._add_to_context()

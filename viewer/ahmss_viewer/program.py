@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,9 @@ class Program(ShaderProgram):
     OSMesa is a new object at each call, and so would compile again for every picture.
     """
 
-    def __init__(self, name: str, *defines: str) -> None:
+    def __init__(self, name: str, defines: Mapping[str, int] | None = None) -> None:
         vertex, fragment = (str(_FOLDER / f"{name}.{kind}") for kind in ("vert", "frag"))
-        super().__init__(vertex, fragment, defines=dict.fromkeys(defines, 1))
+        super().__init__(vertex, fragment, defines=dict(defines or {}))
         self._places: dict[str, int] = {}
         self._add_to_context()
 

@@ -41,8 +41,8 @@ class ShadowMap:
         self.texture: Any = GL.glGenTextures(1)
         GL.glBindTexture(GL.GL_TEXTURE_2D, self.texture)
         GL.glTexImage2D(
-            GL.GL_TEXTURE_2D, 0, GL.GL_DEPTH_COMPONENT24, size, size, 0,
-            GL.GL_DEPTH_COMPONENT, GL.GL_UNSIGNED_INT, None,
+            GL.GL_TEXTURE_2D, 0, GL.GL_DEPTH_COMPONENT16, size, size, 0,
+            GL.GL_DEPTH_COMPONENT, GL.GL_UNSIGNED_SHORT, None,
         )  # fmt: skip
         for name, value in (
             (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR), (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),
@@ -59,9 +59,8 @@ class ShadowMap:
         GL.glDrawBuffer(GL.GL_NONE)
         GL.glReadBuffer(GL.GL_NONE)
 
-    @property
-    def T_texture_world(self) -> Array:
-        """From the world to texture coordinates and depth, each 0..1."""
+    def to_texture(self) -> Array:
+        """T_texture_world: from the world to texture coordinates and depth, each 0..1."""
         return _TO_TEXTURE @ self.T_clip_world
 
     def begin(self, T_clip_world: Array) -> None:
@@ -79,7 +78,7 @@ class ShadowMap:
 
     def bind(self, unit: int) -> None:
         """Let shaders read it from a texture unit."""
-        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+        GL.glActiveTexture(int(GL.GL_TEXTURE0) + unit)
         GL.glBindTexture(GL.GL_TEXTURE_2D, self.texture)
 
     def delete(self) -> None:

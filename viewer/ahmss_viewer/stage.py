@@ -51,7 +51,11 @@ class Thing:
 
 @dataclass
 class Actor:
-    """A human on the stage. places (43, 3): its joints in the world; offsets (43, 3) as its skeleton has them."""
+    """A human on the stage.
+
+    offsets (43, 3): as its skeleton has them. places (43, 3): its joints in the world. facing (3,): where its hips
+    point, level.
+    """
 
     id: int
     name: str
@@ -60,7 +64,7 @@ class Actor:
     inverse_binds: Array
     node: pyrender.Node
     places: Array = field(default_factory=lambda: np.zeros((43, 3)))
-    top: float = 0.0  # how far the skin reaches over the highest joint, metres
+    facing: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
 
 
 class Stage:
@@ -70,7 +74,7 @@ class Stage:
         self.scene = pyrender.Scene()
         self.things: dict[int, Thing] = {}
         self.actors: dict[int, Actor] = {}
-        self._merged: dict[str, Merged] = {}
+        self._merged: dict[tuple[str, bool], Merged] = {}
         self._textures: dict[str, pyrender.Texture | None] = {}
         self._meshes: dict[tuple[int, ...], pyrender.Mesh] = {}
 
@@ -146,6 +150,8 @@ class Stage:
         actor.places, world = forward(np.asarray(rotations, float), np.asarray(root, float), actor.offsets)
         T_world_link = np.zeros((43, 4, 4))
         T_world_link[:, :3, :3], T_world_link[:, :3, 3], T_world_link[:, 3, 3] = to_matrix(world), actor.places, 1.0
+        ahead = -T_world_link[0, :3, 2] * np.array([1.0, 1.0, 0.0])
+        actor.facing = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
         links = (T_world_link @ actor.inverse_binds)[:, :3].astype(np.float32)
         for batch in actor.batches:
             batch.links = links
@@ -166,7 +172,7 @@ class Stage:
                 yield batch, np.eye(4)
         for node in self.scene.mesh_nodes:
             for primitive in node.mesh.primitives:
-                if not primitive.skinned:
+                if not primitive.influences:
                     yield primitive, node.matrix
 
     def still_version(self) -> int:
@@ -202,9 +208,10 @@ class Stage:
 
     def _merge_of(self, surface: Surface) -> Merged:
         """The merged batch of this surface's texture."""
-        key = "" if surface.image is None else hashlib.sha1(surface.image).hexdigest()
+        image = "" if surface.image is None else hashlib.sha1(surface.image).hexdigest()
+        key = (image, surface.two_sided)
         if key not in self._merged:
-            self._merged[key] = Merged(self._texture(surface.image))
+            self._merged[key] = Merged(self._texture(surface.image), two_sided=surface.two_sided)
         return self._merged[key]
 
     def _texture(self, image: bytes | None) -> pyrender.Texture | None:

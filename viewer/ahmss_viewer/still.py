@@ -31,10 +31,11 @@ class _Part:
 
 
 class Merged:
-    """The still surfaces of one texture; `version` counts the changes of what is to be seen."""
+    """The still surfaces of one texture, all seen from both sides or none; `version` counts what changed."""
 
-    def __init__(self, texture: Texture | None) -> None:
+    def __init__(self, texture: Texture | None, *, two_sided: bool) -> None:
         self.texture = texture
+        self.two_sided = two_sided
         self.version = 0
         self._parts: dict[tuple[int, int], _Part] = {}
         self._batch: Batch | None = None
@@ -92,18 +93,18 @@ class Merged:
         return self._bounds
 
     def _merge(self) -> Batch:
-        """New buffers with room for every part."""
+        """New buffers with room for every part, small things first: what they hide of large ones costs nothing."""
         vertices: list[NDArray[Any]] = []
         faces: list[NDArray[Any]] = []
         at_vertex = at_face = 0
-        for part in self._parts.values():
+        for part in sorted(self._parts.values(), key=lambda part: float(np.ptp(part.surface.bounds(), axis=0).sum())):
             part.first_vertex, part.first_face = at_vertex, at_face
             vertices.append(pack(part.surface, part.T_world_object))
             shown = part.surface.faces
             faces.append(np.zeros_like(shown) if part.lifted else shown + np.uint32(at_vertex))
             at_vertex += len(vertices[-1])
             at_face += len(shown)
-        return Batch(np.concatenate(vertices), np.concatenate(faces), self.texture)
+        return Batch(np.concatenate(vertices), np.concatenate(faces), self.texture, two_sided=self.two_sided)
 
     def _discard(self) -> None:
         """The buffers no longer fit; they are freed at the next draw, when the context is current."""

@@ -30,7 +30,8 @@ class Surface:
     """Triangles of one texture, in the object's frame, metres.
 
     positions, normals (n, 3) float32; colours (n, 4) uint8, sRGB; texcoords (n, 2) float32, v down, or None;
-    faces (m, 3) uint32; image: the bytes of a PNG or JPEG, or None; skin: for humans.
+    faces (m, 3) uint32; image: the bytes of a PNG or JPEG, or None; skin: for humans; two_sided: to be seen from
+    behind too.
     """
 
     positions: NDArray[np.float32]
@@ -40,6 +41,7 @@ class Surface:
     texcoords: NDArray[np.float32] | None = None
     image: bytes | None = None
     skin: Skin | None = None
+    two_sided: bool = False
 
     def textured(self, image: bytes) -> Surface:
         """The same surface with another picture on it; one without texture coordinates stays as it is."""

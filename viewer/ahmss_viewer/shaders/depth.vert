@@ -12,7 +12,7 @@ uniform mat4 T_world_model;
 void main() {
 #ifdef SKINNED
     vec4 x = vec4(0.0), y = vec4(0.0), z = vec4(0.0);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < INFLUENCES; i++) {
         int row = 3 * int(joints[i]);
         x += weights[i] * links[row];
         y += weights[i] * links[row + 1];

@@ -9,7 +9,8 @@ in vec2 at;
 in vec3 shade;
 in vec3 sunlit;
 in vec3 in_still;
-in vec3 in_live;
+uniform vec3 live_scale;  // both maps are seen from the sun: one lies in the other
+uniform vec3 live_shift;
 out vec4 pixel;
 
 float seen(sampler2DShadow map, vec3 place) {
@@ -26,7 +27,7 @@ float seen(sampler2DShadow map, vec3 place) {
 }
 
 void main() {
-    vec3 light = shade + sunlit * min(seen(still_map, in_still), seen(live_map, in_live));
+    vec3 light = shade + sunlit * min(seen(still_map, in_still), seen(live_map, in_still * live_scale + live_shift));
 #ifdef TEXTURED
     vec3 texel = texture(image, at).rgb;
     light *= texel * texel;

@@ -12,14 +12,12 @@ uniform vec4 links[129];  // the upper three rows of each link's matrix
 #endif
 uniform mat4 T_clip_world;
 uniform mat4 T_world_model;
-uniform mat4 T_still_world;
-uniform mat4 T_live_world;
+uniform mat4 T_still_world;  // to the texture of the sun's shadows
 uniform vec3 sun;   // towards it
 uniform vec3 fill;  // towards the weak second light
 out vec3 shade;
 out vec3 sunlit;
 out vec3 in_still;
-out vec3 in_live;
 #ifdef TEXTURED
 out vec2 at;
 #endif
@@ -28,7 +26,7 @@ void main() {
     vec3 p, n;
 #ifdef SKINNED
     vec4 x = vec4(0.0), y = vec4(0.0), z = vec4(0.0);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < INFLUENCES; i++) {
         int row = 3 * int(joints[i]);
         x += weights[i] * links[row];
         y += weights[i] * links[row + 1];
@@ -48,7 +46,6 @@ void main() {
     sunlit = albedo * vec3(0.68, 0.64, 0.56) * max(dot(n, sun), 0.0);
     vec4 lifted = vec4(p + 0.012 * n, 1.0);
     in_still = (T_still_world * lifted).xyz;
-    in_live = (T_live_world * lifted).xyz;
 #ifdef TEXTURED
     at = texcoord;
 #endif

@@ -1,0 +1,56 @@
+"""Which view the options ask for, and how it goes on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss_viewer.camera import View, look_at
+from ahmss_viewer.framing import Follower, Interest, best_view, interest, preset
+from ahmss_viewer.options import ViewOptions
+from ahmss_viewer.painter import Painter
+from ahmss_viewer.stage import Stage
+
+__all__ = ["Aim"]
+
+_EYE_HEIGHT = 1.6
+
+
+class Aim:
+    """The camera of a headless run, or a window's first one."""
+
+    def __init__(self, options: ViewOptions) -> None:
+        self.options = options
+        self.view: View | None = None
+        self._follower = Follower(options.follow)
+
+    def begin(self, stage: Stage, painter: Painter, wanted: Interest | None = None) -> View:
+        """Choose the view; `wanted` is what is known of the whole motion, else what is on the stage now counts."""
+        options, aspect = self.options, self.options.size[0] / self.options.size[1]
+        wanted = wanted or interest(stage, options.follow)
+        if wanted is None:
+            self.view = View()
+        elif options.position is not None or options.look_at is not None:
+            self.view = self._fixed(wanted)
+        elif options.camera == "auto":
+            self.view = best_view(stage, painter, wanted, aspect)
+        else:
+            self.view = preset(options.camera, wanted, aspect)
+        return self.view
+
+    def step(self, stage: Stage, seconds: float, *, whole: bool = False) -> View:
+        """The view a moment later: it follows whom it should; a view made for the `whole` motion stays."""
+        view = self.view if self.view is not None else View()
+        fixed = self.options.position is not None or self.options.look_at is not None or self.options.camera != "auto"
+        if self.options.follow or not (whole or fixed):
+            view = self._follower.step(view, stage, self.options.size[0] / self.options.size[1], seconds)
+        self.view = view
+        return view
+
+    def _fixed(self, wanted: Interest) -> View:
+        """From a place, at a place; what was left out is chosen."""
+        middle = 0.5 * (wanted.points.min(axis=0) + wanted.points.max(axis=0))
+        target = np.array(self.options.look_at, float) if self.options.look_at is not None else middle
+        if self.options.position is not None:
+            return look_at(np.array(self.options.position, float), target)
+        back = wanted.facing * 2.6 + np.array([-wanted.facing[1], wanted.facing[0], 0.0]) * 1.6
+        return look_at(target + back + np.array([0.0, 0.0, max(0.3, _EYE_HEIGHT - float(target[2]))]), target)

@@ -1,0 +1,187 @@
+"""Pictures of a running world without a window: the newest world after each picture, never a queue of old ones."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ahmss_viewer.aim import Aim
+from ahmss_viewer.caption import Flat
+from ahmss_viewer.mirror import Mirror
+from ahmss_viewer.movie import Movie, check_writable
+from ahmss_viewer.options import ViewOptions, ViewReport
+from ahmss_viewer.pace import Pace
+from ahmss_viewer.sheet import Sheet, save_picture
+from ahmss_viewer.source import Live
+from ahmss_viewer.studio import Studio
+
+__all__ = ["watch"]
+
+_RATE = 30.0
+_TILE, _EVERY = 320, 30
+_PATIENCE_S = 2.0  # a snapshot waits so long for a human to come
+
+
+@dataclass
+class Stop:
+    """Set by a signal, or by whoever runs the viewer in a thread."""
+
+    asked: bool = False
+
+
+def watch(options: ViewOptions, stop: Stop | None = None) -> ViewReport:
+    """Follow a server until `seconds` are over, the snapshot is taken, or a signal (interrupt, terminate) comes.
+
+    Raises:
+        DataError: a file can't be written.
+        DependencyError: nothing here draws without a window.
+    """
+    for file in (options.record, options.snapshot, options.sheet):
+        if file is not None:
+            check_writable(file)
+    with ExitStack() as stack:
+        held = stack.enter_context(_signals(stop or Stop()))
+        studio = stack.enter_context(Studio(fine=bool(options.fine)))
+        source = Live(options.address, keys=options.keys, request=options.request)
+        stack.callback(source.close)
+        return _Watch(options, source, studio, held).run()
+
+
+class _Watch:
+    """One run of the headless viewer."""
+
+    def __init__(self, options: ViewOptions, source: Live, studio: Studio, stop: Stop) -> None:
+        self.options, self.source, self.studio, self.stop = options, source, studio, stop
+        self.mirror = Mirror(studio.stage, source.asset, source.skeleton)
+        self.aim = Aim(options)
+        self.size = (options.size[0] // 2 * 2, options.size[1] // 2 * 2)
+        self.report = ViewReport(options.address or "127.0.0.1", self.size)
+        self.pace = Pace()
+        self.sheet = Sheet(title=f"{self.report.source}   {time.strftime('%Y-%m-%d %H:%M')}")
+        self.next_tile = 0
+        self.first_tick = -1
+        self.actors = 0
+
+    def run(self) -> ViewReport:
+        """The loop: newest world, picture, files."""
+        begin = time.monotonic()
+        with ExitStack() as stack:
+            movie = None
+            if self.options.record is not None:
+                movie = stack.enter_context(
+                    Movie(self.options.record, self.size, self.options.rate or _RATE, quick=True)
+                )
+            picture: NDArray[np.uint8] | None = None
+            while not self.stop.asked and not self._over(begin):
+                fresh = self.source.wait(0.02 if movie is not None else 0.1)
+                if fresh or (picture is not None and self.source.silent):
+                    picture = self._draw(fresh=fresh)
+                if picture is not None and movie is not None:
+                    self._film(movie, picture, time.monotonic() - begin)
+                if picture is not None and self._snapshot(picture, time.monotonic() - begin):
+                    break
+        self._finish()
+        return self.report
+
+    def _over(self, begin: float) -> bool:
+        return self.options.seconds is not None and time.monotonic() - begin >= self.options.seconds
+
+    def _draw(self, *, fresh: bool) -> NDArray[np.uint8]:
+        """One picture of the newest world."""
+        begin = time.perf_counter()
+        if fresh:
+            self.mirror.show(self.source.world)
+        stage = self.studio.stage
+        if self.aim.view is None or len(stage.actors) != self.actors:
+            self.actors = len(stage.actors)
+            self.aim.begin(stage, self.studio.painter)
+        view = self.aim.step(stage, self.pace.last)
+        picture = self.studio.picture(view, self.size, self._overlay(), names=self.options.names)
+        if fresh:
+            self.pace.shown(self.source.age())
+            self.report.draws.append(time.perf_counter() - begin)
+            self._tile()
+        else:
+            time.sleep(0.05)
+        return picture
+
+    def _overlay(self) -> list[Flat]:
+        """Frame rate and age of the world, as text in the picture."""
+        if not self.options.overlay:
+            return []
+        text = self.pace.text()
+        if self.source.silent:
+            text += "\nno news from the server; this is the last that was seen"
+        return [self.studio.writer.flat(text, 10, 10)]
+
+    def _film(self, movie: Movie, picture: NDArray[np.uint8], seconds: float) -> None:
+        """Keep the film at the wall's time: a picture stands until the next one."""
+        due = int(seconds * (self.options.rate or _RATE))
+        while movie.frames <= due:
+            movie.add(picture)
+
+    def _tile(self) -> None:
+        """Every n-th frame of the world onto the sheet; the first picture at or after it."""
+        tick = self.source.world.tick
+        if self.first_tick < 0:
+            self.first_tick = self.next_tile = tick
+        if self.options.sheet is None or tick < self.next_tile or not self.studio.stage.actors:
+            return
+        every = self.options.every or _EVERY
+        self.next_tile = tick - (tick - self.first_tick) % every + every
+        tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
+        view = self.aim.step(self.studio.stage, 0.0)
+        small = self.studio.picture(view, tile, names=self.options.names)
+        self.sheet.add(small, tick, (tick - self.first_tick) / self.source.world.rate)
+
+    def _snapshot(self, picture: NDArray[np.uint8], seconds: float) -> bool:
+        """Save the one picture as soon as it shows somebody; True where that was all that was asked for."""
+        path = self.options.snapshot
+        if path is None or str(path) in self.report.files:
+            return False
+        if not self.studio.stage.actors and seconds < _PATIENCE_S:
+            return False
+        save_picture(picture, path)
+        self.report.files.append(str(path))
+        return self.options.record is None and self.options.sheet is None and self.options.seconds is None
+
+    def _finish(self) -> None:
+        """The sheet, and the report."""
+        if self.options.record is not None:
+            self.report.files.append(str(self.options.record))
+        if self.options.sheet is not None:
+            self.sheet.save(self.options.sheet)
+            self.report.files.append(str(self.options.sheet))
+        self.report.pictures, self.report.seconds = self.pace.pictures, self.pace.seconds
+        self.report.ages = self.pace.ages
+        self.report.faces = self.studio.stage.faces()
+        self.report.problems = self.mirror.problems
+
+
+@contextmanager
+def _signals(stop: Stop) -> Generator[Stop]:
+    """Interrupt and terminate end the loop in order, so that the film is finished."""
+
+    def end(_number: int, _frame: FrameType | None) -> None:
+        stop.asked = True
+
+    kinds = (signal.SIGINT, signal.SIGTERM)
+    try:
+        old = [signal.signal(kind, end) for kind in kinds]
+    except ValueError:  # not the main thread: its owner stops it
+        yield stop
+        return
+    try:
+        yield stop
+    finally:
+        for kind, handler in zip(kinds, old, strict=True):
+            signal.signal(kind, handler)
+
+

@@ -1,0 +1,132 @@
+"""Keeps a stage like the world: what came and went, what moved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.skeleton import Skeleton
+from ahmss.errors import AhmssError
+from ahmss.world.schema import HumanRecord, ObjectRecord
+from ahmss.world.view import World
+from ahmss_viewer.figure import plain_figure
+from ahmss_viewer.glb import read_glb
+from ahmss_viewer.stage import Stage
+from ahmss_viewer.surface import Surface
+
+__all__ = ["Mirror"]
+
+_LOOK = ("id", "name", "shape", "texture")
+
+
+class Mirror:
+    """Shows a world on a stage.
+
+    Args:
+        stage: what is drawn.
+        asset: the bytes of a shape or texture by hash; raises an AhmssError where it is not to be had.
+        skeleton: a human's skeleton record.
+
+    `problems` holds one sentence for each thing that can't be shown as it should: an object without a readable shape
+    is left out, a human without one is drawn as a plain figure.
+    """
+
+    def __init__(
+        self, stage: Stage, asset: Callable[[str], bytes], skeleton: Callable[[HumanRecord], dict[str, Any]]
+    ) -> None:
+        self.stage = stage
+        self.problems: list[str] = []
+        self._asset, self._skeleton = asset, skeleton
+        self._surfaces: dict[tuple[str, str], tuple[Surface, ...]] = {}
+        self._objects: dict[int, tuple[Any, ...]] = {}
+        self._humans: dict[int, tuple[Any, ...]] = {}
+        self._ids = np.zeros(0, np.uint32)
+        self._poses: Array = np.zeros((0, 7))
+        self._revision = -1
+
+    def show(self, world: World) -> None:
+        """Bring the stage to what the world is now."""
+        if world.revision != self._revision:
+            self._revision = world.revision
+            self._follow_objects(world)
+            self._follow_humans(world)
+        self._place_objects(world)
+        for number, pose in zip(world.human_ids, world.human_poses, strict=True):
+            if int(number) in self.stage.actors:
+                self.stage.pose_human(int(number), pose[3:].reshape(43, 4), pose[:3])
+
+    def _follow_objects(self, world: World) -> None:
+        """Objects that are new, gone, or look another way than before."""
+        wanted = {r.id: tuple(getattr(r, key) for key in _LOOK) for r in world.objects.values()}
+        for number in [n for n, look in self._objects.items() if wanted.get(n) != look]:
+            self.stage.remove_object(number)
+            del self._objects[number]
+        for record in world.objects.values():
+            if record.id not in self._objects:
+                pose = world.pose(record.name)
+                self.stage.add_object(record.id, record.name, self._shape(record), pose[:3], pose[3:])
+                self._objects[record.id] = wanted[record.id]
+        self._ids = np.zeros(0, np.uint32)
+
+    def _place_objects(self, world: World) -> None:
+        """Move what is not where it was at the last picture."""
+        ids, poses = world.poses()
+        if not np.array_equal(ids, self._ids):
+            self._ids, self._poses = ids.copy(), np.full_like(poses, np.nan)
+        if poses is self._poses:
+            return
+        for row in np.flatnonzero((poses != self._poses).any(axis=1)):
+            if int(ids[row]) in self.stage.things:
+                self.stage.move_object(int(ids[row]), poses[row, :3], poses[row, 3:])
+        self._poses = poses.copy()
+
+    def _follow_humans(self, world: World) -> None:
+        """Humans that are new, gone, or look another way than before."""
+        wanted = {r.id: (*(getattr(r, key) for key in _LOOK), r.skeleton) for r in world.humans.values()}
+        for number in [n for n, look in self._humans.items() if wanted.get(n) != look]:
+            self.stage.remove_human(number)
+            del self._humans[number]
+        for record in world.humans.values():
+            if record.id not in self._humans:
+                self._add_human(record)
+                self._humans[record.id] = wanted[record.id]
+
+    def _add_human(self, record: HumanRecord) -> None:
+        try:
+            skeleton = Skeleton.from_record(self._skeleton(record))
+        except (AhmssError, KeyError, ValueError, TypeError) as error:
+            self._note(f"{record.name} is drawn with usual proportions: its skeleton can't be had ({error})")
+            skeleton = Skeleton.of()
+        surfaces = self._load(record)
+        if not any(surface.skin is not None for surface in surfaces):
+            surfaces = plain_figure(skeleton)
+        self.stage.add_human(record.id, record.name, skeleton.offsets, surfaces)
+
+    def _shape(self, record: ObjectRecord) -> tuple[Surface, ...]:
+        """The surfaces of an object; none where it has no shape, or none that can be read."""
+        return self._load(record)
+
+    def _load(self, record: ObjectRecord | HumanRecord) -> tuple[Surface, ...]:
+        """Surfaces of a shape with its texture, read once for all that share them."""
+        key = (record.shape, record.texture)
+        if not record.shape:
+            return ()
+        if key not in self._surfaces:
+            try:
+                surfaces = read_glb(self._asset(record.shape), record.name)
+                if record.texture:
+                    image = self._asset(record.texture)
+                    surfaces = tuple(surface.textured(image) for surface in surfaces)
+            except AhmssError as error:
+                self._note(str(error))
+                return ()
+            self._surfaces[key] = surfaces
+        return self._surfaces[key]
+
+    def _note(self, problem: str) -> None:
+        """Say each problem once."""
+        if problem not in self.problems:
+            self.problems.append(problem)

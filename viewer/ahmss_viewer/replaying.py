@@ -1,0 +1,133 @@
+"""Pictures of a recording without a window: every frame as a film, a contact sheet, one snapshot."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+
+from ahmss.errors import CommandError, DataError
+from ahmss_viewer.aim import Aim
+from ahmss_viewer.framing import Interest, interest
+from ahmss_viewer.mirror import Mirror
+from ahmss_viewer.movie import Movie, check_writable
+from ahmss_viewer.options import ViewOptions, ViewReport
+from ahmss_viewer.sheet import Sheet, save_picture
+from ahmss_viewer.source import Replay
+from ahmss_viewer.studio import Studio
+
+__all__ = ["replay"]
+
+_TILE = 320  # the width of a sheet's tile
+_TILES = 24
+_GLANCES = 40  # ticks that are looked at to find the view
+
+Progress = Callable[[int, int], None]
+
+
+def replay(options: ViewOptions, path: Path, progress: Progress | None = None) -> ViewReport:
+    """Draw what the options ask for from a recording.
+
+    Raises:
+        DataError: the recording can't be read, or a file not be written.
+        DependencyError: nothing here draws without a window.
+    """
+    for file in (options.record, options.snapshot, options.sheet):
+        if file is not None:
+            check_writable(file)
+    with ExitStack() as stack:
+        source = Replay(path)
+        stack.callback(source.close)
+        if not len(source):
+            raise DataError(path, "", "this recording holds no frame; record again")
+        studio = stack.enter_context(Studio(fine=options.fine is not False))
+        return _Run(options, source, studio, progress).run()
+
+
+class _Run:
+    """One pass over a recording."""
+
+    def __init__(self, options: ViewOptions, source: Replay, studio: Studio, progress: Progress | None) -> None:
+        self.options, self.source, self.studio, self.progress = options, source, studio, progress
+        self.mirror = Mirror(studio.stage, source.asset, source.skeleton)
+        self.aim = Aim(options)
+        self.size = (options.size[0] // 2 * 2, options.size[1] // 2 * 2)
+        self.last = len(source) - 1
+        if options.seconds is not None:
+            self.last = min(self.last, max(0, round(options.seconds * source.rate) - 1))
+        self.report = ViewReport(str(source.path), self.size)
+
+    def run(self) -> ViewReport:
+        """The view first, then the pictures."""
+        wanted = self._survey()
+        self._show(0)
+        self.aim.begin(self.studio.stage, self.studio.painter, wanted)
+        start = time.perf_counter()
+        if self.options.record is not None or self.options.sheet is not None:
+            self._film()
+        if self.options.snapshot is not None:
+            self._snapshot(self.options.snapshot)
+        self.report.seconds = time.perf_counter() - start
+        self.report.faces = self.studio.stage.faces()
+        self.report.problems = self.mirror.problems
+        return self.report
+
+    def _survey(self) -> Interest | None:
+        """What is of interest in the whole motion, glanced at here and there; None where the options fix the camera."""
+        found: Interest | None = None
+        for tick in np.unique(np.linspace(0, self.last, _GLANCES).astype(int)):
+            self._show(int(tick))
+            now = interest(self.studio.stage, self.options.follow)
+            if now is not None:
+                found = now if found is None else found.joined(now)
+        if self.options.follow and not any(a.name == self.options.follow for a in self.studio.stage.actors.values()):
+            there = ", ".join(a.name for a in self.studio.stage.actors.values()) or "none"
+            raise CommandError(f'no human "{self.options.follow}" to follow in {self.source.path}; there is: {there}')
+        return found
+
+    def _film(self) -> None:
+        """Every frame, as film, and every n-th on the sheet."""
+        options, rate = self.options, self.source.rate
+        every = options.every or max(1, round((self.last + 1) / _TILES))
+        sheet = Sheet(title=f"{self.source.path.name}   every {every} of {self.last + 1} frames at {rate:g} a second")
+        tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
+        with ExitStack() as stack:
+            movie = None
+            if options.record is not None:
+                movie = stack.enter_context(Movie(options.record, self.size, options.rate or rate))
+            step = 1 if movie is not None else every
+            for tick in range(0, self.last + 1, step):
+                self._show(tick)
+                view = self.aim.step(self.studio.stage, step / rate, whole=True)
+                if movie is not None:
+                    begin = time.perf_counter()
+                    picture = self.studio.picture(view, self.size, names=options.names)
+                    self.report.draws.append(time.perf_counter() - begin)
+                    movie.add(picture)
+                    self.report.pictures += 1
+                if options.sheet is not None and tick % every == 0:
+                    small = self.studio.picture(view, tile, names=options.names, best=True)
+                    sheet.add(small, self.source.world.tick, tick / rate)
+                    self.report.pictures += movie is None
+                if self.progress is not None:
+                    self.progress(tick + 1, self.last + 1)
+        if options.record is not None:
+            self.report.files.append(str(options.record))
+        if options.sheet is not None:
+            sheet.save(options.sheet)
+            self.report.files.append(str(options.sheet))
+
+    def _snapshot(self, path: Path) -> None:
+        """One picture at the time asked for, else at the end."""
+        at = self.last if self.options.at is None else round(self.options.at * self.source.rate)
+        self._show(int(np.clip(at, 0, self.last)))
+        view = self.aim.step(self.studio.stage, 10.0, whole=True)
+        save_picture(self.studio.picture(view, self.size, names=self.options.names, best=True), path)
+        self.report.pictures += 1
+        self.report.files.append(str(path))
+
+    def _show(self, tick: int) -> None:
+        self.mirror.show(self.source.show(tick))
