@@ -1,0 +1,89 @@
+"""The time from the start of an algorithm process to its first frame (table 5.8 of the thesis)."""
+
+from __future__ import annotations
+
+import shutil
+import statistics
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from ahmss.algorithm.launcher import Launcher
+from ahmss.algorithm.messages import Goal, PoseRecord, Start, encode_frame
+from ahmss.body.inverse import grips
+from ahmss.body.skeleton import Skeleton
+from ahmss.database.records import AlgorithmEntry
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError, AlgorithmError, DependencyError
+
+__all__ = ["start_ms"]
+
+_REPEATS = 60
+_PAUSE = 0.15  # seconds between starts, as between a person's commands
+
+
+def start_ms(workspace: Workspace) -> dict[str, float | None]:
+    """Medians in ms: `python` (playback of a shipped clip) and `native` (the C example; None without a compiler)."""
+    start = _start(workspace)
+    report: dict[str, float | None] = {}
+    with Launcher() as launcher:
+        report["python"] = _median(launcher, workspace.algorithms.find("playback"), start)
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                entry = _compile(workspace, Path(folder))
+            except DependencyError:
+                report["native"] = None
+            else:
+                report["native"] = _median(launcher, entry, start)
+    return report
+
+
+def _start(workspace: Workspace) -> Start:
+    """START of a playback of the longest shipped clip."""
+    clips = sorted(workspace.root.glob("objectdb/*/*.npz"), key=lambda path: (path.stat().st_size, path))
+    if not clips:
+        raise AhmssError(f"{workspace.root}/objectdb: no motion clip to measure with; run scripts/make_motions.py")
+    skeleton = Skeleton.of()
+    rotations, root = skeleton.upright()
+    pose = PoseRecord.of(rotations, root)
+    return Start(
+        kind="human", human=skeleton.to_record(), pose=pose, frames=120, motion=str(clips[-1]), goal=Goal(),
+        directory=str(workspace.root),
+    )  # fmt: skip
+
+
+def _median(launcher: Launcher, entry: AlgorithmEntry, start: Start) -> float:
+    """Start it again and again; the first few, which warm the caches, don't count."""
+    skeleton = Skeleton.from_record(start.human)
+    rotations, root = skeleton.upright()
+    frame = encode_frame(1, root, rotations, grips(skeleton, rotations, root))
+    took = [_once(launcher, entry, start, frame) for _ in range(_REPEATS)]
+    return 1e3 * statistics.median(took[_REPEATS // 6 :])
+
+
+def _once(launcher: Launcher, entry: AlgorithmEntry, start: Start, frame: bytes) -> float:
+    begun = time.perf_counter()
+    process = launcher.start(entry, start)
+    process.ask(frame)
+    launcher.wait([process], 10.0)
+    if not process.receive():
+        raise AlgorithmError(f"algorithm {entry.name}: no first frame within 10 s")
+    took = time.perf_counter() - begun
+    process.stop()
+    until = time.monotonic() + _PAUSE
+    while time.monotonic() < until:
+        launcher.tend()
+        time.sleep(0.01)
+    return took
+
+
+def _compile(workspace: Workspace, folder: Path) -> AlgorithmEntry:
+    """The C example, compiled into a folder of its own."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        raise DependencyError("no C compiler; apt-get install gcc")
+    source = workspace.root / "algorithms" / "nod" / "nod.c"
+    program = folder / "nod"
+    subprocess.run([compiler, "-O2", "-o", str(program), str(source), "-lm"], check=True)
+    return AlgorithmEntry("nod", "human", (str(program),), folder)
