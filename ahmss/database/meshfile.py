@@ -15,9 +15,8 @@ from ahmss.database.soup import Soup
 from ahmss.database.workspace import Workspace
 from ahmss.errors import DataError, WorkspaceError
 
-__all__ = ["FORMATS", "read_mesh"]
+__all__ = ["read_mesh"]
 
-FORMATS = ("glb", "gltf", "obj", "ply", "stl")
 logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # what is wrong is said once, by us
 
 

@@ -1,33 +1,23 @@
-"""The shape of a kind: read from its file, checked at the border, turned into the GLB that travels."""
+"""The shape of a kind as it travels, converted once for each state of its files, and kept on disk between runs."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
-from dataclasses import replace
+import os
 from pathlib import Path
 
 import msgspec
-import numpy as np
 
-from ahmss.database.dxf import read_dxf
 from ahmss.database.freshness import Fresh
-from ahmss.database.glb import Part, write_glb
-from ahmss.database.meshfile import FORMATS, read_mesh
-from ahmss.database.normals import closed, corner_normals, weld
-from ahmss.database.objectfile import UNITS
-from ahmss.database.precount import precount
 from ahmss.database.records import ObjectKind, Vector
-from ahmss.database.soup import Soup
-from ahmss.database.texture import Texture, box_projection, read_texture
+from ahmss.database.texture import Texture
 from ahmss.database.workspace import Workspace
-from ahmss.errors import DataError
 
-__all__ = ["MOST_FACES", "Shape", "ShapeLoader"]
+__all__ = ["Shape", "ShapeLoader"]
 
-MOST_FACES = 500_000
-_MOST_BYTES = 400_000_000
-_SMALLEST, _LARGEST = 1e-4, 1e4  # metres
-_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # glTF's y up to our z up
+_VERSION = b"1"  # of what the conversion makes: a new one leaves what was kept aside
+_ALONE = (".dxf", ".stl", ".ply", ".glb")  # formats that name no other file
 
 
 class Shape(msgspec.Struct, frozen=True):
@@ -54,106 +44,56 @@ class ShapeLoader:
         files = [kind.shape] + ([kind.texture] if kind.texture else [])
         key = (kind.shape, kind.unit, kind.up, kind.two_sided, kind.color, kind.texture, kind.texture_layers,
                kind.texture_size)
-        return self._shapes.get(key, files, lambda _: load_shape(self.workspace, kind))
+        return self._shapes.get(key, files, lambda _: self._load(kind, files))
+
+    def _load(self, kind: ObjectKind, files: list[Path]) -> Shape:
+        """From the disk's store where it has it: reading DXF takes a library that takes a second to load."""
+        kept = _kept_at(kind, files)
+        if kept is not None:
+            shape = _take(kept)
+            if shape is not None:
+                return shape
+        from ahmss.database.convert import convert_shape
+
+        shape = convert_shape(self.workspace, kind)
+        if kept is not None:
+            _keep(kept, shape)
+        return shape
 
 
-def load_shape(workspace: Workspace, kind: ObjectKind) -> Shape:
-    """Read, check and convert the shape that `kind` names."""
+def _kept_at(kind: ObjectKind, files: list[Path]) -> Path | None:
+    """Where the converted shape of these very bytes is kept; None for one that must be read."""
     assert kind.shape is not None
-    path, label = kind.shape, workspace.label(kind.shape)
-    _check_file(path, label)
-    soup, metres = _read(workspace, path, label)
-    scale = metres if metres is not None else UNITS[kind.unit]
-    gltf = path.suffix.lower() in (".glb", ".gltf")
-    up = kind.up or ("y" if gltf else "z")
-    soup = soup.transformed(scale * (_Y_UP if up == "y" else np.eye(3)))
-    _check_size(soup, label)
-    soup = soup.proper()
-    if not len(soup.triangles):
-        raise DataError(label, "", "no faces with an area: all its triangles are lines or points")
-    if kind.color is not None:
-        soup = replace(soup, colors=np.tile(np.array(kind.color, np.uint8), (len(soup.triangles), 1)))
-    texture = read_texture(kind.texture, workspace.label(kind.texture)) if kind.texture else None
-    if texture is None and soup.picture is not None:
-        texture = Texture.of(soup.picture, "image/png")
-    glb = write_glb(_parts(soup, kind, _textured(soup, kind, label) if texture else None))
-    low, high = soup.triangles.min(axis=(0, 1)), soup.triangles.max(axis=(0, 1))
-    bounds = ((float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2])))
-    return Shape(glb, hashlib.sha256(glb).hexdigest(), len(soup.triangles), bounds, texture)
+    if kind.shape.suffix.lower() not in _ALONE:
+        return None
+    options = (kind.shape.suffix.lower(), kind.unit, kind.up, kind.two_sided, kind.color, kind.texture_layers,
+               kind.texture_size)
+    digest = hashlib.sha256(_VERSION + repr(options).encode())
+    for file in files:
+        try:
+            with file.open("rb") as stream:
+                digest.update(hashlib.file_digest(stream, "sha256").digest())
+        except OSError:
+            return None  # the conversion says what is the matter with it
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "ahmss" / "shapes" / digest.hexdigest()
 
 
-def _check_file(path: Path, label: str) -> None:
-    """Refuse at once what is not there, of no known format, empty, or far too large."""
-    known = ("dxf", *FORMATS)
-    if path.suffix[1:].lower() not in known:
-        raise DataError(label, "", f'no shape file "{path.suffix}"; allowed: {", ".join(known)}')
+def _take(path: Path) -> Shape | None:
     try:
-        size = path.stat().st_size
-    except FileNotFoundError:
-        raise DataError(label, "", "no such shape file") from None
-    if not path.is_file():
-        raise DataError(label, "", "is no file")
-    if size == 0:
-        raise DataError(label, "", "the shape file is empty")
-    if size > _MOST_BYTES:
-        raise DataError(label, "", f"{size // 1_000_000} MB; at most {_MOST_BYTES // 1_000_000} MB, make it simpler")
-    faces = precount(path)
-    if faces > MOST_FACES:
-        raise DataError(label, "", f"{faces:,} faces; at most {MOST_FACES:,}, make the shape simpler")
+        shape = msgspec.msgpack.decode(path.read_bytes(), type=Shape)
+    except (OSError, msgspec.DecodeError):
+        return None
+    return shape if hashlib.sha256(shape.glb).hexdigest() == shape.hash else None
 
 
-def _read(workspace: Workspace, path: Path, label: str) -> tuple[Soup, float | None]:
-    """The triangles, and metres per unit where the file says so."""
+def _keep(path: Path, shape: Shape) -> None:
+    """Keep it, whole or not at all; a disk that is full or read-only costs only the time of the next conversion."""
+    part = path.with_suffix(f".{os.getpid()}")
     try:
-        if path.suffix.lower() == ".dxf":
-            return read_dxf(path, label, MOST_FACES)
-        soup = read_mesh(workspace, path, label)
-    except (MemoryError, RecursionError):
-        raise DataError(label, "", "too large or too deeply nested to be read") from None
-    if len(soup.triangles) > MOST_FACES:
-        raise DataError(label, "", f"{len(soup.triangles):,} faces; at most {MOST_FACES:,}, make the shape simpler")
-    return soup, 1.0 if path.suffix.lower() in (".glb", ".gltf") else None
-
-
-def _check_size(soup: Soup, label: str) -> None:
-    if not np.isfinite(soup.triangles).all():
-        bad = int((~np.isfinite(soup.triangles)).any(axis=(1, 2)).sum())
-        raise DataError(label, "", f"{bad} faces have corners that are no finite numbers; export it anew")
-    extent = float(np.ptp(soup.triangles.reshape(-1, 3), axis=0).max())
-    away = float(np.abs(soup.triangles).max())
-    if extent < _SMALLEST or away > _LARGEST:
-        size = f"{extent:.3g} m" if away <= _LARGEST else f"{away:.3g} m from its origin"
-        raise DataError(label, "", f'it measures {size}; allowed: {_SMALLEST:g} to {_LARGEST:g} m, is "unit" right?')
-
-
-def _textured(soup: Soup, kind: ObjectKind, label: str) -> np.ndarray:
-    """Which triangles wear the picture (n,)."""
-    if not kind.texture_layers:
-        return np.ones(len(soup.triangles), bool)
-    for layer in kind.texture_layers:
-        if layer not in soup.layers:
-            have = ", ".join(soup.layers)
-            raise DataError(label, "", f'no layer "{layer}" for the texture; the shape has: {have}')
-    return np.isin(soup.layer, [soup.layers.index(layer) for layer in kind.texture_layers])
-
-
-def _parts(soup: Soup, kind: ObjectKind, textured: np.ndarray | None) -> list[Part]:
-    """The shape in one part of colours and one that wears the picture."""
-    points = weld(soup.triangles)
-    normals = corner_normals(soup.triangles, points)
-    two_sided = kind.two_sided if kind.two_sided is not None else not closed(points)
-    wears = np.zeros(len(soup.triangles), bool) if textured is None else textured
-    out: list[Part] = []
-    for name, chosen in (("coloured", ~wears), ("textured", wears)):
-        if not chosen.any():
-            continue
-        uv = None
-        if name == "textured":
-            own = soup.uv
-            uv = box_projection(soup.triangles[chosen], kind.texture_size) if own is None else own[chosen]
-            uv = uv.reshape(-1, 2)
-        out.append(Part(
-            name, soup.triangles[chosen].reshape(-1, 3), normals[chosen].reshape(-1, 3),
-            np.repeat(soup.colors[chosen], 3, axis=0), uv, two_sided,
-        ))
-    return out
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(msgspec.msgpack.encode(shape))
+        os.replace(part, path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            part.unlink()

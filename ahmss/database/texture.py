@@ -8,7 +8,6 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
-from PIL import Image
 
 from ahmss.body.array import Array
 from ahmss.errors import DataError
@@ -38,6 +37,8 @@ def read_texture(path: Path, label: str) -> Texture:
     Raises:
         DataError: missing, of another kind, broken, or too large.
     """
+    from PIL import Image  # not needed where a shape comes out of the store
+
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise DataError(label, "", f"larger than {_MOST_BYTES // 1_000_000} MB; make the picture smaller")

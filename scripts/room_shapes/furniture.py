@@ -18,7 +18,9 @@ def cup() -> Model:
         (0.0, 0.0), (3.2, 0.0), (3.6, 0.5), (3.6, 9.35), (3.42, 9.5), (3.25, 9.35), (3.25, 0.9), (0.0, 0.7),
     ]
     piece = lathe("glaze", profile, 18)
-    inside = [f for f in piece.faces if np.hypot(*piece.corners[f][:, :2].T).max() < 3.3 and piece.corners[f][:, 2].max() > 0.6]
+    widest = [np.hypot(*piece.corners[f][:, :2].T).max() for f in piece.faces]
+    raised = [piece.corners[f][:, 2].max() > 0.6 for f in piece.faces]
+    inside = [f for f, r, up in zip(piece.faces, widest, raised, strict=True) if r < 3.3 and up]
     outside = [f for f in piece.faces if f not in inside]
     return [Piece("glaze", piece.corners, outside), Piece("inside", piece.corners, inside)], {
         "glaze": (206, 84, 52), "inside": (244, 238, 226),
@@ -213,11 +215,13 @@ def _worktop() -> list[Piece]:
 
 def tap() -> Model:
     """A tap whose spout reaches 18 cm forward, with a lever on top."""
-    post = lathe("chrome", [(0.0, 0.0), (2.8, 0.0), (2.8, 0.6), (2.1, 1.2), (1.9, 17.0), (2.1, 17.4), (2.1, 19.6), (0.0, 20.2)], 12)
+    profile = [(0.0, 0.0), (2.8, 0.0), (2.8, 0.6), (2.1, 1.2), (1.9, 17.0), (2.1, 17.4), (2.1, 19.6), (0.0, 20.2)]
+    post = lathe("chrome", profile, 12)
     turns = np.radians(np.linspace(0.0, 150.0, 7))
     arc = [[9.0 - 9.0 * np.cos(a), 0.0, 13.0 + 9.0 * np.sin(a)] for a in turns]
     spout = tube("chrome", [[0.5, 0.0, 9.0], *arc[1:], [17.6, 0.0, 15.0]], 1.0, 8)
-    lever = tube("lever", [[0.0, 0.0, 19.6], [-0.5, 0.0, 21.0], [-1.5, 0.0, 22.0], [-9.0, 0.0, 24.0]], [0.7, 0.7, 0.7, 0.9], 6)
+    bar = [[0.0, 0.0, 19.6], [-0.5, 0.0, 21.0], [-1.5, 0.0, 22.0], [-9.0, 0.0, 24.0]]
+    lever = tube("lever", bar, [0.7, 0.7, 0.7, 0.9], 6)
     return [post, spout, lever], {"chrome": (190, 196, 202), "lever": (150, 156, 162)}
 
 
@@ -235,7 +239,8 @@ def bed() -> Model:
 
 def lamp() -> Model:
     """A standing lamp with a cloth shade, 155 cm high."""
-    base = lathe("metal", [(0.0, 0.0), (14.0, 0.0), (14.0, 1.4), (12.5, 2.2), (2.0, 3.0), (1.1, 4.5), (1.1, 126.0), (0.0, 126.0)], 20)
+    profile = [(0.0, 0.0), (14.0, 0.0), (14.0, 1.4), (12.5, 2.2), (2.0, 3.0), (1.1, 4.5), (1.1, 126.0), (0.0, 126.0)]
+    base = lathe("metal", profile, 20)
     shade = lathe("shade", [(21.0, 123.0), (13.5, 155.0), (13.1, 155.0), (20.6, 123.0), (21.0, 123.0)], 24)
     bulb = lathe("bulb", [(1.6, 125.0), (1.6, 128.0), (4.0, 133.0), (4.2, 137.0), (2.4, 140.5), (0.0, 141.2)], 12)
     return [base, shade, bulb], {"metal": (70, 62, 54), "shade": (238, 214, 168), "bulb": (255, 246, 220)}

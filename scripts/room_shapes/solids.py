@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -19,6 +20,7 @@ class Piece:
     faces: list[list[int]] = field(default_factory=list)
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Piece:
+        """Shifted."""
         return Piece(self.layer, self.corners + np.array([x, y, z]), self.faces)
 
     def turned(self, axis: str, degrees: float) -> Piece:
@@ -35,6 +37,7 @@ class Piece:
         return Piece(self.layer, self.corners * signs, [f[::-1] for f in self.faces])
 
     def triangles(self) -> int:
+        """How many triangles its faces make."""
         return sum(len(f) - 2 for f in self.faces)
 
 
@@ -113,7 +116,7 @@ def lathe(layer: str, profile: Sequence[tuple[float, float]], segments: int) -> 
             turns = 2.0 * np.pi * np.arange(segments) / segments
             corners += [[r * np.cos(a), r * np.sin(a), z] for a in turns]
     faces = []
-    for low, high in zip(rings, rings[1:], strict=False):
+    for low, high in itertools.pairwise(rings):
         for i in range(segments):
             j = (i + 1) % segments
             face = list(dict.fromkeys((low[i], low[j], high[j], high[i])))
