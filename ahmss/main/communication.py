@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import contextlib
+from collections.abc import Iterable, Mapping, Sequence
 
+import msgspec
 import numpy as np
 
 from ahmss.body.array import Array
@@ -14,10 +16,13 @@ from ahmss.errors import WorldError
 from ahmss.main.command import Add
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
-from ahmss.world.schema import Claim, NewObject, ObjectRecord, Release
+from ahmss.world.schema import Claim, NewObject, ObjectRecord, Release, SetState, StateChange, StateValue
 from ahmss.world.view import World
 
 __all__ = ["Communication"]
+
+_PATIENCE = 60.0  # seconds that lockstep waits for an answer: the others may have to finish a frame
+_SEEN = 2  # frames after which the world shows a state that was set, or it was refused
 
 
 class Communication:
@@ -31,6 +36,20 @@ class Communication:
         self.fast = fast
         self.frame = 0
         self._own: dict[str, tuple[int, Array]] = {}
+        self._said: dict[str, tuple[int, dict[str, StateValue]]] = {}
+
+    @property
+    def objects(self) -> Mapping[str, ObjectRecord]:
+        """The records of the world's objects, with the states that this human has changed last."""
+        records = self.world.objects
+        if not self._said:
+            return records
+        changed = {
+            name: msgspec.structs.replace(records[name], states={**records[name].states, **states})
+            for name, (_, states) in self._said.items()
+            if name in records
+        }
+        return {**records, **changed}
 
     @property
     def world(self) -> World:
@@ -51,7 +70,7 @@ class Communication:
         if self.fast:
             return self.client.collect()
         world = self.client.poll()
-        if self._own:
+        if self._own or self._said:
             self._forget()
         return world
 
@@ -75,6 +94,13 @@ class Communication:
         said = list(dict.fromkeys(self.client.refusals))
         self.client.refusals.clear()
         return said
+
+    @staticmethod
+    def load(add: Add, workspace: Workspace) -> None:
+        """Read the shapes that `add` will send; may take seconds, touches no socket."""
+        workspace.objects.get(add.kind)
+        for kind in {placed.kind for placed in workspace.objects.place(add.kind, add.kind)}:
+            workspace.objects.shape(kind)
 
     def add(self, add: Add, workspace: Workspace) -> list[ObjectRecord]:
         """Add an object and all that it contains, with their shapes.
@@ -105,11 +131,22 @@ class Communication:
 
     def claim(self, name: str, hand: str) -> Pending:
         """Ask that only this human moves an object from now on."""
-        return self.client.begin(Claim(self.human, [name], hand))
+        pending = self.client.begin(Claim(self.human, [name], hand))
+        if self.fast:  # the others' frames wait for this one: nothing is held up that does not wait anyway
+            with contextlib.suppress(WorldError):  # `pending` keeps the reason
+                self.client.finish(pending, _PATIENCE)
+        return pending
 
     def release(self, name: str) -> Pending:
         """Let an object go."""
         return self.client.begin(Release(self.human, [name]))
+
+    def set_state(self, name: str, state: str, value: StateValue) -> Pending:
+        """Set an object's state."""
+        if not self.fast:
+            _, states = self._said.get(name, (0, {}))
+            self._said[name] = (self.frame + _SEEN, {**states, state: value})
+        return self.client.begin(SetState([StateChange(name, state, value)]))
 
     def sync(self, line: str, names: Sequence[str]) -> Pending:
         """Come to a line of the script."""
@@ -131,6 +168,7 @@ class Communication:
         if len(row):
             shown = int(world.human_frames[row[0]])
             self._own = {name: own for name, own in self._own.items() if own[0] > shown}
+            self._said = {name: said for name, said in self._said.items() if said[0] > shown}
 
 
 def _free_name(kind: str, taken: Iterable[str]) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -21,9 +22,8 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
 from ahmss.main.command import Act, Value
 from ahmss.world.schema import ObjectRecord
-from ahmss.world.view import World
 
-__all__ = ["Actor", "Database", "Order", "find_object"]
+__all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
 
 _NEAR = 5.0  # metres: what an algorithm that asks for the near world is told of
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
@@ -62,6 +62,19 @@ class Actor:
     holds: dict[str, str]
 
 
+class Scene(Protocol):
+    """What is in the world, as one main sees it."""
+
+    @property
+    def objects(self) -> Mapping[str, ObjectRecord]:
+        """Records by name."""
+        ...
+
+    def pose(self, name: str) -> Array:
+        """(7,) place and rotation of an object, now."""
+        ...
+
+
 class Database:
     """What main asks objectdb/, humandb/ and algorithms/; files are read anew when they change."""
 
@@ -77,15 +90,15 @@ class Database:
             )
         return self.workspace.humans.get(body or names[0])
 
-    def order(self, act: Act, world: World, actor: Actor) -> Order:
+    def order(self, act: Act, scene: Scene, actor: Actor) -> Order:
         """Resolve an act: its object, the action that it affords, the algorithms, the goal.
 
         Raises:
             CommandError: no such object or action, or a detail that it does not take; says what there is.
             DataError: a file that it needs is wrong.
         """
-        name = self._object_of(act, world)
-        record = world.objects[name]
+        name = self._object_of(act, scene)
+        record = scene.objects[name]
         kind = self.workspace.objects.get(record.kind)
         affordance = _affordance(kind, name, act.action)
         human = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
@@ -99,20 +112,20 @@ class Database:
             object_parameters = fill(entry.parameters, given) if entry else {}
         except ValueError as error:
             raise CommandError(f"{title}: parameter {error}") from None
-        hand = _hand(act, affordance, world.pose(name), actor, name)
-        goal = self._goal(act, world, world.pose(name))
+        hand = _hand(act, affordance, scene.pose(name), actor, name)
+        goal = self._goal(act, scene, scene.pose(name))
         return Order(
             name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
             parameters, object_parameters,
         )  # fmt: skip
 
-    def check(self, order: Order, world: World, actor: Actor) -> None:
+    def check(self, order: Order, scene: Scene, actor: Actor) -> None:
         """Whether the motion may start now: its `when`, its `needs`, and who holds the object.
 
         Raises:
             CommandError: it may not; says what is the matter.
         """
-        record = world.objects.get(order.object)
+        record = scene.objects.get(order.object)
         if record is None:
             raise CommandError(f"{order.title}: there is no {order.object} any more")
         affordance = order.affordance
@@ -127,11 +140,11 @@ class Database:
         if affordance.hold == "take" and order.object in actor.holds:
             raise CommandError(f"{order.title}: {actor.name} holds it already")
 
-    def start(self, order: Order, kind: str, world: World, actor: Actor, seed: int, rate: float) -> messages.Start:
+    def start(self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float) -> messages.Start:
         """The START message of the order's human or object algorithm ("human" or "object")."""
         entry = order.human_algorithm if kind == "human" else order.object_algorithm
         assert entry is not None
-        record = world.objects[order.object]
+        record = scene.objects[order.object]
         motion = order.affordance.motion
         return messages.Start(
             kind="human" if kind == "human" else "object",
@@ -140,26 +153,26 @@ class Database:
             frames=order.frames,
             rate=rate,
             seed=seed,
-            object=self._describe(record, world),
+            object=self._describe(record, scene),
             site=order.affordance.site or "",
             goal=order.goal,
             motion=str(motion) if motion else None,
             parameters=order.parameters if kind == "human" else order.object_parameters,
             hand=_side(order.hand),
             hold=_hold(order.affordance.hold),
-            world=self._surroundings(entry.world, order.object, world, actor.root),
+            world=self._surroundings(entry.world, order.object, scene, actor.root),
             directory=str(entry.directory),
         )
 
-    def _object_of(self, act: Act, world: World) -> str:
+    def _object_of(self, act: Act, scene: Scene) -> str:
         """The object that an act means, by its name or by a place."""
         if act.object:
-            return find_object(world, act.object)
+            return find_object(scene, act.object)
         place = np.array(act.object_place)
         near: list[tuple[float, str]] = []
-        for name, record in world.objects.items():
+        for name, record in scene.objects.items():
             if act.action in self._affordances(record):
-                near.append((float(np.linalg.norm(world.pose(name)[: len(place)] - place)), name))
+                near.append((float(np.linalg.norm(scene.pose(name)[: len(place)] - place)), name))
         distance, name = min(near, default=(math.inf, ""))
         if distance > _THERE:
             where = " ".join(f"{x:g}" for x in place)
@@ -172,14 +185,14 @@ class Database:
         except AhmssError:  # a broken file hides its own kind only; who names it is told
             return {}
 
-    def _goal(self, act: Act, world: World, pose: Array) -> messages.Goal:
+    def _goal(self, act: Act, scene: Scene, pose: Array) -> messages.Goal:
         """The goal in the world; a height that was left out is the object's own."""
         place, target = None, None
         if act.goal_place:
             place = (act.goal_place[0], act.goal_place[1], (*act.goal_place, float(pose[2]))[2])
         if act.goal_object:
-            name = find_object(world, act.goal_object)
-            target = self._describe(world.objects[name], world)
+            name = find_object(scene, act.goal_object)
+            target = self._describe(scene.objects[name], scene)
             place = target.place
         facing = None if act.facing_deg is None else math.radians(act.facing_deg)
         posture = None
@@ -190,44 +203,44 @@ class Database:
             posture = str(path)
         return messages.Goal(place, None, facing, posture, target)
 
-    def _describe(self, record: ObjectRecord, world: World) -> messages.ObjectRecord:
+    def _describe(self, record: ObjectRecord, scene: Scene) -> messages.ObjectRecord:
         """An object as algorithms are told of it."""
         kind = self.workspace.objects.get(record.kind)
-        pose = world.pose(record.name)
+        pose = scene.pose(record.name)
         sites = {n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis)) for n, s in kind.sites.items()}
         return messages.ObjectRecord(
             record.id, record.name, record.kind, _triple(pose[:3]), _four(pose[3:]), sites, kind.properties,
             dict(record.states),
         )  # fmt: skip
 
-    def _surroundings(self, asked: str, target: str, world: World, root: Array) -> list[messages.ObjectRecord]:
+    def _surroundings(self, asked: str, target: str, scene: Scene, root: Array) -> list[messages.ObjectRecord]:
         if asked == "none":
             return []
         found: list[messages.ObjectRecord] = []
-        for name, record in world.objects.items():
-            if name != target and (asked == "all" or float(np.linalg.norm(world.pose(name)[:3] - root)) <= _NEAR):
+        for name, record in scene.objects.items():
+            if name != target and (asked == "all" or float(np.linalg.norm(scene.pose(name)[:3] - root)) <= _NEAR):
                 try:
-                    found.append(self._describe(record, world))
+                    found.append(self._describe(record, scene))
                 except AhmssError:  # another object's broken file does not concern this motion
                     continue
         return found
 
 
-def find_object(world: World, name: str) -> str:
+def find_object(scene: Scene, name: str) -> str:
     """The full name of an object that was named by it or by its last parts (`cup` for `room/cup`).
 
     Raises:
         CommandError: none of that name, or more than one.
     """
-    if name in world.objects:
+    if name in scene.objects:
         return name
-    meant = [full for full in world.objects if full.endswith(f"/{name}")]
+    meant = [full for full in scene.objects if full.endswith(f"/{name}")]
     if len(meant) == 1:
         return meant[0]
     if meant:
         raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
-    near = difflib.get_close_matches(name, [full.rsplit("/", 1)[-1] for full in world.objects], 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(world.objects) or 'none'}"
+    near = difflib.get_close_matches(name, [full.rsplit("/", 1)[-1] for full in scene.objects], 1)
+    hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(scene.objects) or 'none'}"
     raise CommandError(f'no object "{name}" in the world; {hint}')
 
 

@@ -1,0 +1,209 @@
+"""The lines that wait to be carried out, one after another, each when the one before is done."""
+
+from __future__ import annotations
+
+import operator
+import threading
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from ahmss.errors import AhmssError, CommandError, WorldError
+from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
+from ahmss.main.database import find_object
+from ahmss.main.script import Step
+from ahmss.world.link import Pending
+from ahmss.world.schema import Remove as RemoveRequest
+
+if TYPE_CHECKING:
+    from ahmss.main.process import MainProcess, Setup
+
+__all__ = ["Agenda"]
+
+_OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
+    "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
+}  # fmt: skip
+
+
+class Agenda:
+    """What the human is to do next. `add` may be called from any thread, the rest belongs to the frame loop.
+
+    `said` is told what came of a line that is not a motion (`cup_2 is in the world`).
+    """
+
+    def __init__(self, main: MainProcess, setup: Setup) -> None:
+        self._main, self._setup = main, setup
+        self._steps: deque[Step] = deque()
+        self._waits: Callable[[], bool] | None = None
+        self._lock = threading.Lock()
+        self._unfinished = 0
+        self.said: Callable[[str], None] = _keep_quiet
+
+    @property
+    def done(self) -> bool:
+        """Whether nothing is left to do."""
+        return self._unfinished == 0
+
+    def add(self, step: Step) -> None:
+        """Append a line."""
+        with self._lock:
+            self._steps.append(step)
+            self._unfinished += 1
+
+    def clear(self) -> None:
+        """Forget all lines, and what is waited for."""
+        with self._lock:
+            self._steps.clear()
+        self._waits = None
+        self._count()
+
+    def step(self) -> None:
+        """Go on with the next lines, until one takes time."""
+        while not self._busy() and self._steps:
+            step = self._steps.popleft()
+            try:
+                self._carry_out(step)
+            except AhmssError as error:
+                self._trouble(step, error)
+        self._count()
+
+    def _busy(self) -> bool:
+        if self._main.control.busy:
+            return True
+        if self._waits is not None and self._waits():
+            return True
+        self._waits = None
+        return False
+
+    def _count(self) -> None:
+        with self._lock:
+            self._unfinished = len(self._steps) + (self._main.control.busy or self._waits is not None)
+
+    # The kinds of line
+
+    def _carry_out(self, step: Step) -> None:
+        match step.line:
+            case Do() as line:
+                self._do(line)
+            case Wait() as line:
+                self._wait(line)
+            case Sync():
+                if len(self._setup.names) > 1:
+                    self._await(self._main.communication.sync(str(step.number), self._setup.names), step)
+            case Add() as line:
+                self._add(line, step)
+            case Remove(name=name):
+                scene = self._main.communication
+                name = find_object(scene, name)
+                self._await(scene.client.begin(RemoveRequest(name)), step, f"{name} is gone")
+            case Set() as line:
+                self._set(line, step)
+            case Human(name=name):
+                raise CommandError(f"another human needs a main of its own; type: ahmss main --human {name}")
+
+    def _do(self, line: Do) -> None:
+        self._check_name(line.human)
+        main = self._main
+        actor = main.actor
+        main.control.begin([main.database.order(act, main.communication, actor) for act in line.acts])
+
+    def _wait(self, line: Wait) -> None:
+        self._check_name(line.human)
+        if not line.object:
+            frames = round(line.seconds * self._setup.rate)
+            end = self._main.report.frames + frames
+            self._waits = lambda: self._main.report.frames < end
+            return
+        scene = self._main.communication
+        name = find_object(scene, line.object)
+        states = scene.objects[name].states
+        if line.state not in states:
+            raise CommandError(f'{name} has no state "{line.state}"; it has: {", ".join(states) or "none"}')
+        compare = _OPERATORS[line.operator]
+
+        def waits() -> bool:
+            record = scene.objects.get(name)
+            value = None if record is None else record.states.get(line.state)
+            if isinstance(value, str) != isinstance(line.value, str):
+                return line.operator != "!="
+            return not compare(value, line.value)
+
+        self._waits = waits
+
+    def _add(self, line: Add, step: Step) -> None:
+        """Shapes are read in a thread, so that the body stays alive; in lockstep at once."""
+        main = self._main
+        read: Future[None] = Future()
+
+        def load() -> None:
+            try:
+                main.communication.load(line, main.workspace)
+                read.set_result(None)
+            except AhmssError as error:
+                read.set_exception(error)
+
+        def place() -> None:
+            try:
+                read.result()
+                records = main.communication.add(line, main.workspace)
+                self.said(
+                    f"{records[0].name} is in the world"
+                    + (f", with {len(records) - 1} objects in it" * (len(records) > 1))
+                )
+            except AhmssError as error:
+                main.trouble(f"{step.where}: {error}" if step.where else str(error))
+
+        if self._setup.fast:
+            load()
+            place()
+            return
+        threading.Thread(target=load, daemon=True).start()
+
+        def waits() -> bool:
+            if not read.done():
+                return True
+            place()
+            return False
+
+        self._waits = waits
+
+    def _set(self, line: Set, step: Step) -> None:
+        scene = self._main.communication
+        name = find_object(scene, line.object)
+        states = self._main.workspace.objects.get(scene.objects[name].kind).states
+        state = states.get(line.state)
+        if state is None:
+            raise CommandError(f'{name} has no state "{line.state}"; it has: {", ".join(states) or "none"}')
+        value = state.parse(line.value)
+        if value is None:
+            raise CommandError(f'{name} {line.state} can\'t be "{line.value}"; allowed: {state.allowed}')
+        self._await(scene.set_state(name, line.state, value), step, f"{name} {line.state} is {value}")
+
+    def _await(self, pending: Pending, step: Step, then: str = "") -> None:
+        """Wait for the server's answer without stopping the frames."""
+
+        def waits() -> bool:
+            if not pending.done:
+                return True
+            try:
+                pending.result()
+                if then:
+                    self.said(then)
+            except WorldError as error:
+                self._trouble(step, error)
+            return False
+
+        self._waits = waits
+
+    def _trouble(self, step: Step, error: AhmssError) -> None:
+        self._main.trouble(f"{step.where}: {error}" if step.where else str(error))
+
+    def _check_name(self, human: str) -> None:
+        if human not in ("", self._setup.human):
+            raise CommandError(f"this main moves {self._setup.human}, not {human}")
+
+
+def _keep_quiet(text: str) -> None:
+    """Tell nobody."""
+    del text

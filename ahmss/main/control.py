@@ -1,0 +1,350 @@
+"""The control part: starts, steps, watches and stops the algorithm processes of one human (Ichiguchi 2000, 4.2.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ahmss.algorithm.launcher import Launcher
+from ahmss.algorithm.messages import FRAME_OBJECT, HEADER, Kind, State, size
+from ahmss.algorithm.process import Answer
+from ahmss.body.array import Array
+from ahmss.errors import AhmssError, Unreachable
+from ahmss.main.blending import Blending, Contribution
+from ahmss.main.communication import Communication
+from ahmss.main.database import Actor, Database, Order
+from ahmss.main.motion import Motion, Mover
+from ahmss.main.surroundings import Surroundings, among
+
+__all__ = ["Control"]
+
+_HUMAN = 190  # float64 of a FRAME without an object
+
+
+class Control:
+    """All motions that one human makes now, and all objects that it moves.
+
+    Args:
+        say: is told in one line what went wrong; nothing here raises for a process.
+        seed: of the run; each motion gets one of its own from it.
+    """
+
+    def __init__(
+        self, database: Database, communication: Communication, launcher: Launcher, say: Callable[[str], None],
+        *, rate: float, seed: int = 0,
+    ) -> None:  # fmt: skip
+        self._database, self._communication, self._launcher, self._say = database, communication, launcher, say
+        self._rate, self._seed = rate, seed
+        self._motions: list[Motion] = []
+        self._movers: dict[str, Mover] = {}
+        self._surroundings = Surroundings()
+        self._number = 0
+        self._block = np.zeros(size(FRAME_OBJECT))
+        self._moved = self._changes = np.zeros((0, 8))
+        self.failures = 0
+        self.held_frames = 0
+
+    # What the console and the frame loop ask
+
+    @property
+    def busy(self) -> bool:
+        """Whether a motion is being made or waits for its start."""
+        return bool(self._motions)
+
+    @property
+    def holds(self) -> dict[str, str]:
+        """The objects that were taken, each with the hand that holds it."""
+        return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes}
+
+    @property
+    def contributions(self) -> list[Contribution]:
+        """What the motions give to this frame's blend."""
+        return [motion.given for motion in self._motions if motion.given is not None]
+
+    def begin(self, orders: Sequence[Order]) -> None:
+        """Make these motions together, each after its own delay."""
+        for order in orders:
+            self._number += 1
+            self._motions.append(Motion(order, self._number))
+
+    def stop(self) -> None:
+        """Give up all motions; what is in the hand stays there."""
+        for motion in list(self._motions):
+            self._drop(motion)
+
+    def close(self) -> None:
+        """End all processes."""
+        self._launcher.close()
+
+    # A frame, in the order of the thesis
+
+    def start_due(self, actor: Actor) -> None:
+        """Start the motions whose time has come, and ask them for their first frame."""
+        for motion in list(self._motions):
+            if motion.process is None and motion.countdown > 0:
+                motion.countdown -= 1
+            elif motion.process is None:
+                self._start(motion, actor)
+        self._grant(actor)
+
+    def ask_humans(self) -> None:
+        """Ask every human algorithm for its next frame."""
+        for motion in self._motions:
+            process = motion.process
+            if process and process.active and not process.pending and motion.k < motion.order.frames:
+                motion.k += 1
+                process.ask(self._frame(motion.k, None, motion.knows))
+
+    def collect_humans(self, patience: float) -> None:
+        """Take the frames that the human algorithms have made, waiting at most `patience` seconds for the last."""
+        owing = [process for motion in self._motions if (process := motion.process) is not None]
+        if owing:
+            self._launcher.wait(owing, patience)
+        for motion in list(self._motions):
+            if motion.process is not None:
+                self._collect_human(motion)
+
+    def ask_objects(self, blending: Blending) -> None:
+        """Show the human's new frame to the object algorithms."""
+        self.see(blending)
+        for mover in list(self._movers.values()):
+            if mover.process is not None and mover.process.pending:  # an answer to an older frame, if it has come
+                self._collect_object(mover, blending.grips, late=True)
+            process = mover.process
+            if process and process.active and not process.pending:
+                mover.k += 1
+                process.ask(self._frame(mover.k, mover.pose, mover.knows))
+
+    def collect_objects(self, blending: Blending, patience: float) -> Array | None:
+        """Take where the objects are now; rows (m, 8) of those that moved, for the world."""
+        if not self._movers:
+            self._moved = self._moved[:0]
+            return None
+        asked = [mover.process for mover in self._movers.values() if mover.process is not None]
+        if asked:
+            self._launcher.wait(asked, patience)
+        for mover in list(self._movers.values()):
+            self._collect_object(mover, blending.grips, late=False)
+        rows = [[mover.id, *mover.pose] for mover in self._movers.values() if mover.granted and mover.fresh]
+        for mover in self._movers.values():
+            if mover.granted and mover.fresh:
+                self._communication.put(mover.name, mover.pose)
+                mover.fresh = False
+        self._moved = np.array(rows).reshape(-1, 8)
+        return self._moved if rows else None
+
+    def end_finished(self) -> None:
+        """Let go of what ended with this frame."""
+        for motion in [motion for motion in self._motions if motion.over]:
+            self._end(motion)
+        self._launcher.tend()
+
+    # Starting
+
+    def _start(self, motion: Motion, actor: Actor) -> None:
+        """Check, claim and start one motion; where it can't be, say why."""
+        order, seen = motion.order, self._communication
+        try:
+            self._database.check(order, seen, actor)
+            motion.mover = self._claim(order)
+            start = self._database.start(order, "human", seen, actor, self._next_seed(), self._rate)
+            motion.process = self._launcher.start(order.human_algorithm, start)
+        except AhmssError as error:
+            self._fail(motion, str(error))
+            return
+        motion.knows = frozenset((seen.objects[order.object].id, *(record.id for record in start.world)))
+        if order.human_algorithm.world == "none":
+            motion.knows = frozenset()
+        motion.k = 1
+        motion.process.ask(self._frame(1, None, frozenset()))
+
+    def _claim(self, order: Order) -> Mover | None:
+        """The mover of the order's object: a new one that asks for the object, or the one that has it."""
+        mover = self._movers.get(order.object)
+        hold = order.affordance.hold
+        if mover is not None and hold == "release":
+            self._silence(mover)
+            return mover
+        if order.object_algorithm is None or hold == "keep":
+            return None
+        if mover is not None:
+            raise AhmssError(f"{order.title}: {mover.order.title} moves it until it is released")
+        number = self._communication.world.objects[order.object].id
+        hand = order.hand if hold == "take" else ""
+        claim = self._communication.claim(order.object, hand)
+        mover = Mover(order, number, self._communication.pose(order.object), claim)
+        self._movers[order.object] = mover
+        return mover
+
+    def _grant(self, actor: Actor) -> None:
+        """Start the object algorithms whose claims are granted; a claim that was refused ends its motion."""
+        for mover in list(self._movers.values()):
+            claim = mover.claim
+            if claim is None or not claim.done:
+                continue
+            mover.claim = None
+            try:
+                claim.result()
+                entry = mover.order.object_algorithm
+                assert entry is not None
+                start = self._database.start(
+                    mover.order, "object", self._communication, actor, self._next_seed(), self._rate
+                )
+                mover.granted = True
+                mover.process = self._launcher.start(entry, start)
+            except Unreachable:  # the connection broke before the answer: ask again
+                mover.claim = self._communication.claim(mover.name, mover.order.hand if mover.takes else "")
+            except AhmssError as error:
+                self._refuse(mover, str(error))
+            else:
+                if entry.world != "none":
+                    mover.knows = frozenset(record.id for record in start.world)
+
+    def _refuse(self, mover: Mover, reason: str) -> None:
+        """The object can't be had: its motion ends."""
+        for motion in [motion for motion in self._motions if motion.mover is mover]:
+            self._fail(motion, f"{motion.order.title}: {reason}")
+        self._forget(mover)
+
+    def _next_seed(self) -> int:
+        """A seed for one process: the same in every run of the same script."""
+        self._seed = (self._seed * 6364136223846793005 + 1442695040888963407) % 2**63
+        return self._seed >> 16
+
+    # Frames
+
+    def see(self, blending: Blending) -> None:
+        """Take in the human's pose and what moved, for the frames that are asked for next."""
+        block = self._block
+        block[1:4] = blending.root
+        block[4:176] = blending.rotations.reshape(172)
+        block[176:190] = blending.grips.reshape(14)
+        if self._motions or self._movers:
+            self._changes = self._surroundings.moved(self._communication.world, self._moved)
+        else:
+            self._surroundings.forget()
+
+    def _frame(self, k: int, pose: Array | None, knows: frozenset[int]) -> bytes:
+        """A FRAME message of the human as it was seen last."""
+        block = self._block
+        block[0] = k
+        data = block[:_HUMAN]
+        if pose is not None:
+            block[_HUMAN:] = pose
+            data = block
+        payload = data.tobytes()
+        moved = among(self._changes, knows)
+        if moved is not None:
+            payload += moved.tobytes()
+        return HEADER.pack(len(payload), Kind.FRAME) + payload
+
+    def _collect_human(self, motion: Motion) -> None:
+        process = motion.process
+        assert process is not None
+        came = False
+        try:
+            for message in process.receive():
+                if isinstance(message, Answer):
+                    motion.take(message.row)
+                    came = True
+                elif isinstance(message, State):
+                    self._change_states(message)
+                else:
+                    motion.over = True
+        except AhmssError as error:
+            self._fail(motion, f"{motion.order.title}: {error}")
+            return
+        if process.last >= motion.order.frames:
+            motion.over = True
+        if not came:
+            if process.pending:
+                motion.held += 1
+                self.held_frames += 1
+            if motion.given is not None:
+                motion.given.hold()
+
+    def _collect_object(self, mover: Mover, grips: Array, *, late: bool) -> None:
+        """Take what an object algorithm says; what has no answer stays, or goes with the hand that has it."""
+        pose: Array | None = None
+        process = mover.process
+        if process is not None:
+            try:
+                for message in process.receive():
+                    if isinstance(message, Answer):
+                        pose = message.row[1:8]
+                    elif isinstance(message, State):
+                        self._change_states(message)
+            except AhmssError as error:
+                self._lose(mover, str(error))
+        if late:
+            if pose is not None and not mover.caught:
+                mover.pose, mover.fresh = pose, True
+        elif pose is not None:
+            mover.put(pose, grips)
+        else:
+            mover.stay(grips)
+
+    def _change_states(self, state: State) -> None:
+        """An algorithm has changed the states of an object."""
+        try:
+            record = self._communication.world.object_by_id(state.object)
+        except KeyError:
+            self._say(f"an algorithm changes the state of object {state.object}, which is not in the world")
+            return
+        for name, value in state.states.items():
+            self._communication.set_state(record.name, name, value)
+
+    # Ends
+
+    def _end(self, motion: Motion) -> None:
+        """A motion is complete."""
+        self._motions.remove(motion)
+        if motion.process is not None:
+            motion.process.stop()
+        mover = motion.mover
+        if mover is not None and (motion.order.affordance.hold == "release" or not mover.takes):
+            self._release(mover)
+
+    def _fail(self, motion: Motion, reason: str) -> None:
+        """A motion can't go on: the body keeps what it alone drove, the others go on."""
+        self.failures += 1
+        self._say(reason)
+        self._drop(motion)
+
+    def _drop(self, motion: Motion) -> None:
+        if motion in self._motions:
+            self._motions.remove(motion)
+        if motion.process is not None:
+            motion.process.stop()
+        mover = motion.mover
+        if mover is None:
+            return
+        if motion.order.affordance.hold == "release" or not mover.caught:
+            self._release(mover)
+
+    def _lose(self, mover: Mover, reason: str) -> None:
+        """An object algorithm has failed: what is in the hand stays fixed to it, anything else stays where it is."""
+        self.failures += 1
+        mover.process = None
+        caught = mover.caught or (mover.takes and not any(motion.mover is mover for motion in self._motions))
+        end = "stays fixed to the hand until it is released" if caught else "stays where it is"
+        self._say(f"{mover.order.title}: {reason}; {mover.name} {end}")
+
+    def _silence(self, mover: Mover) -> None:
+        """Its algorithm moves it no more."""
+        if mover.process is not None:
+            mover.process.stop()
+            mover.process = None
+        mover.over = True
+
+    def _release(self, mover: Mover) -> None:
+        """Let the object go where it is."""
+        self._silence(mover)
+        self._forget(mover)
+        if mover.granted or mover.claim is not None:
+            self._communication.release(mover.name)
+
+    def _forget(self, mover: Mover) -> None:
+        if self._movers.get(mover.name) is mover:
+            del self._movers[mover.name]

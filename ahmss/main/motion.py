@@ -1,0 +1,109 @@
+"""What control keeps of each motion being made and of each object being moved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.algorithm.process import AlgorithmProcess
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply, rotate
+from ahmss.main.blending import Contribution
+from ahmss.main.database import Order
+from ahmss.world.link import Pending
+
+__all__ = ["Motion", "Mover"]
+
+_MOVED = 1e-3  # metres from which on an object counts as moved
+_SIDES = ("right", "left")
+
+
+class Mover:
+    """An object that this human moves by an object algorithm.
+
+    Attributes:
+        name, id: of the object. pose: (7,) where it is now.
+        caught: it is in the hand and goes where the hand goes, whatever its algorithm does.
+        process: its algorithm, once the claim is granted; None before, and after the algorithm has failed.
+        claim: the request under way.
+        over: its algorithm was stopped, it rests where it is. fresh: its pose differs from what the world was told.
+    """
+
+    def __init__(self, order: Order, number: int, pose: Array, claim: Pending) -> None:
+        self.order = order
+        self.name, self.id = order.object, number
+        self.pose = pose.copy()
+        self.claim: Pending | None = claim
+        self.granted = False
+        self.process: AlgorithmProcess | None = None
+        self.knows: frozenset[int] = frozenset()
+        self.k = 0
+        self.over = False
+        self.fresh = False
+        self._start = pose[:3].copy()
+        self._hand = _SIDES.index(order.hand) if order.hand in _SIDES else -1
+        self._grips: Array | None = None
+
+    @property
+    def takes(self) -> bool:
+        """Whether its algorithm goes on after the motion, until it is released."""
+        return self.order.affordance.hold == "take"
+
+    @property
+    def caught(self) -> bool:
+        """Whether it has left its place in the hand."""
+        return self.takes and bool(np.abs(self.pose[:3] - self._start).max() > _MOVED)
+
+    def put(self, pose: Array, grips: Array) -> None:
+        """Its algorithm has put it somewhere while the palms were at `grips` (2, 7)."""
+        self.fresh = self.fresh or bool((pose != self.pose).any())
+        self.pose, self._grips = pose, grips
+
+    def stay(self, grips: Array) -> None:
+        """Its algorithm has not answered: what is caught keeps its place in the hand, anything else its place."""
+        if self.caught and self._grips is not None and not self.over:
+            self.pose = _carry(self.pose, self._grips[self._side()], grips[self._side()])
+            self.fresh = True
+        self._grips = grips
+
+    def _side(self) -> int:
+        """The row of the hand that holds it: as it was said, or the nearer one."""
+        if self._hand < 0 and self._grips is not None:
+            self._hand = int(np.argmin(np.linalg.norm(self._grips[:, :3] - self.pose[:3], axis=1)))
+        return self._hand
+
+
+def _carry(pose: Array, before: Array, now: Array) -> Array:
+    """The pose (7,) of what is fixed to a frame that went from `before` to `now` (7,)."""
+    back = conjugate(before[3:])
+    inner = rotate(back, pose[:3] - before[:3])
+    turn = multiply(back, pose[3:])
+    return np.concatenate([now[:3] + rotate(now[3:], inner), multiply(now[3:], turn)])
+
+
+class Motion:
+    """One order being carried out.
+
+    Attributes:
+        number: tells motions apart in the blend. countdown: frames until it starts.
+        process: its human algorithm. given: what it gives to the blend, once its first frame has come.
+        k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
+    """
+
+    def __init__(self, order: Order, number: int) -> None:
+        self.order, self.number = order, number
+        self.countdown = order.after
+        self.process: AlgorithmProcess | None = None
+        self.given: Contribution | None = None
+        self.mover: Mover | None = None
+        self.knows: frozenset[int] = frozenset()
+        self.k = 0
+        self.over = False
+        self.failed = False
+        self.held = 0
+
+    def take(self, row: Array) -> None:
+        """Its next frame has come."""
+        if self.given is None:
+            self.given = Contribution(self.number, row)
+        else:
+            self.given.advance(row)

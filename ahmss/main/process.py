@@ -1,0 +1,180 @@
+"""The main process of one virtual human: the frame loop (Ichiguchi 2000, figure 4.9)."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ahmss.algorithm.launcher import Launcher
+from ahmss.algorithm.process import Deadlines
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError
+from ahmss.main.agenda import Agenda
+from ahmss.main.blending import Blending
+from ahmss.main.communication import Communication
+from ahmss.main.control import Control
+from ahmss.main.database import Actor, Database
+from ahmss.main.pace import Pace
+from ahmss.main.script import Step
+from ahmss.main.stance import standing
+from ahmss.world.client import WorldClient
+from ahmss.world.keys import ClientKeys
+
+__all__ = ["MainProcess", "Report", "Setup"]
+
+_FAST_PATIENCE = 10.0  # seconds that `--fast` waits for a frame
+_SHARE = 0.5  # of a frame's time that real time waits for a frame
+_REST = 60  # frames after the script in which the body comes to rest
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a main is started with. `names` are all humans of the script, `group` its run; degrees and metres."""
+
+    human: str
+    body: str = ""
+    place: tuple[float, ...] = (0.0, 0.0)
+    facing_deg: float = 0.0
+    server: str = ""
+    workspace: Path | None = None
+    fast: bool = False
+    seed: int = 0
+    rate: float = 60.0
+    group: str = ""
+    names: tuple[str, ...] = ()
+    keys: ClientKeys | None = None
+
+
+@dataclass
+class Report:
+    """What a main has done: frames, those that began late, those that a motion missed, seconds, failures."""
+
+    human: str
+    frames: int = 0
+    late: int = 0
+    held: int = 0
+    seconds: float = 0.0
+    failures: int = 0
+    messages: list[str] = field(default_factory=list[str])
+
+
+class MainProcess:
+    """One virtual human in the world: takes lines, makes frames.
+
+    `frame` is to be called again and again, by `run` or by who has other things to do between. Lines come by
+    `agenda.add` from any thread. Nothing that a file, a process or the server does ends the loop: it is said in a line.
+
+    Args:
+        setup: who and where.
+        say: is told one line at a time what went wrong and what was done.
+
+    Raises:
+        AhmssError: from the start only: no such body, no server.
+    """
+
+    def __init__(self, setup: Setup, say: Callable[[str], None]) -> None:
+        self.setup, self._say = setup, say
+        self.workspace = Workspace.find(setup.workspace)
+        self.database = Database(self.workspace)
+        model = self.database.human(setup.body)
+        rotations, root = standing(model, setup.place, setup.facing_deg)
+        deadlines = Deadlines(frame=_FAST_PATIENCE) if setup.fast else Deadlines()
+        self._client = WorldClient(setup.server, keys=setup.keys, follow=not setup.fast)
+        self.communication = Communication(self._client, setup.human, fast=setup.fast)
+        try:
+            shape = self.workspace.humans.shape(model.name)
+            self.communication.join(model.name, model.skeleton, shape, root, rotations, setup.group or setup.human)
+        except AhmssError:
+            self._client.close()
+            raise
+        self.blending = Blending(model.skeleton, rotations, root, setup.rate)
+        self.control = Control(
+            self.database, self.communication, Launcher(deadlines=deadlines, notice=say), self.trouble,
+            rate=setup.rate, seed=setup.seed,
+        )  # fmt: skip
+        self.agenda = Agenda(self, setup)
+        self.pace = Pace(setup.rate, fast=setup.fast)
+        self.report = Report(setup.human)
+        self._stop_asked = False
+        self.control.see(self.blending)
+
+    @property
+    def actor(self) -> Actor:
+        """The human as it is now."""
+        blending = self.blending
+        return Actor(self.setup.human, blending.skeleton, blending.root, blending.rotations, self.control.holds)
+
+    def frame(self) -> None:
+        """One frame: the command part's next line, then the motions, the blend, the objects, the world."""
+        patience = _FAST_PATIENCE + 1.0 if self.setup.fast else _SHARE * self.pace.period
+        self.communication.update()
+        self._listen()
+        self.agenda.step()
+        self.control.start_due(self.actor)
+        self.control.collect_humans(patience)
+        self.blending.step(self.control.contributions)
+        self.control.ask_objects(self.blending)
+        self.control.ask_humans()
+        moved = self.control.collect_objects(self.blending, patience)
+        self.communication.publish(self.blending.root, self.blending.rotations, moved)
+        self.control.end_finished()
+        self.report.frames += 1
+
+    def run(self, over: Callable[[], bool]) -> Report:
+        """Make frames at the pace of the world until `over` says so and the body rests."""
+        began = time.monotonic()
+        resting = 0
+        while not over() or (resting < _REST and not self.blending.resting):
+            resting = resting + 1 if over() else 0
+            left = self.pace.left()
+            if left > 0.0:
+                time.sleep(left)
+            self.pace.advance()
+            self._guarded_frame()
+        self.report.seconds = time.monotonic() - began
+        self.report.late, self.report.held = self.pace.late, self.control.held_frames
+        return self.report
+
+    def play(self, steps: deque[Step]) -> Report:
+        """Carry out a human's part of a script."""
+        for step in steps:
+            self.agenda.add(step)
+        return self.run(lambda: self.agenda.done)
+
+    def stop_motion(self) -> None:
+        """Stop the present motion and forget the lines that wait; from any thread, in the next frame."""
+        self._stop_asked = True
+
+    def close(self, *, stay: bool = False) -> None:
+        """Leave the world and end all processes."""
+        self.control.close()
+        self.communication.leave(stay=stay)
+        self._client.close()
+
+    def _guarded_frame(self) -> None:
+        """A frame whose errors become lines; the loop goes on."""
+        try:
+            self.frame()
+        except AhmssError as error:
+            self.trouble(str(error))
+            if self.setup.fast:  # lockstep has lost its others: to go on would be another run
+                raise
+            time.sleep(self.pace.period)
+
+    def _listen(self) -> None:
+        """What was asked from other threads, and what the server refused."""
+        if self._stop_asked:
+            self._stop_asked = False
+            self.agenda.clear()
+            self.control.stop()
+        for reason in self.communication.complaints():
+            self.trouble(reason)
+
+    def trouble(self, reason: str) -> None:
+        """Say in one line what went wrong."""
+        self.report.failures += 1
+        self.report.messages.append(reason)
+        self._say(reason)
