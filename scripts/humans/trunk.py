@@ -1,0 +1,142 @@
+"""Clothes of the trunk and legs: shirt with sleeves, collar, belt, trousers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.body.array import Array
+from humans.arm import forearm_loft, upper_arm_loft
+from humans.distance import Field, Loft, cone, ellipsoid, half_space, intersect, join, smooth_max, smooth_min
+from humans.figure import Figure
+
+__all__ = ["belt", "collar", "neck_axis", "shirt", "trousers", "trunk_loft"]
+
+_UP, _FORWARD = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+_WAIST = 0.605  # shares of stature: where shirt and trousers meet
+
+
+def trunk_loft(figure: Figure, thickness: float, low: float = 0.0, high: float = 2.0) -> Loft:
+    """The trunk between two heights (shares of stature), grown by a thickness."""
+    table = figure.trunk
+    shares = np.unique(np.concatenate([np.clip([low, high], table[0, 0], table[-1, 0]), table[:, 0]]))
+    shares = shares[(shares >= low) & (shares <= high)]
+    stations = np.zeros((len(shares), 5))
+    stations[:, 0] = shares * figure.height
+    for column in (1, 2, 3):
+        stations[:, column] = np.interp(shares, table[:, 0], table[:, column]) * figure.height + thickness
+    return Loft(np.zeros(3), _UP, _FORWARD, stations, 2.35)
+
+
+def neck_axis(figure: Figure) -> tuple[Array, Array]:
+    """The neck's middle under the skull and at the collar (3,): it leans forward."""
+    head = figure.bind.place("head")
+    h = figure.height
+    return head + np.array([-0.006, 0.0, 0.045]) * h, head + np.array([-0.013, 0.0, -0.03]) * h
+
+
+def _both(right: Field) -> Field:
+    """A field and its mirror at y = 0, by folding the left onto the right."""
+    return lambda p: right(np.column_stack([p[:, 0], -np.abs(p[:, 1]), p[:, 2]]))
+
+
+def _shoulder(figure: Figure, thickness: float) -> Field:
+    """Deltoid and the slope from neck to shoulder."""
+    h, joint = figure.height, figure.bind.place("right_upper_arm")
+    _, low = neck_axis(figure)
+    size = figure.limb * h / 1.76
+    top = joint + np.array([-0.008, 0.12 * abs(joint[1]), 0.004 * h])
+    slope = cone(low + np.array([-0.010, -0.02, 0.0]) * h, top, 0.032 * h + thickness, 0.047 * size + thickness)
+    deltoid = ellipsoid(joint + np.array([0.0, -0.004, -0.006]) * h, np.array([0.057, 0.054, 0.062]) * size + thickness)
+    return join((slope, deltoid), 0.05)
+
+
+def shirt(figure: Figure) -> Field:
+    """Trunk and sleeves down to the waist."""
+    h, thickness = figure.height, 0.006
+    body = trunk_loft(figure, thickness, _WAIST - 0.035)
+    upper = upper_arm_loft(figure, thickness + 0.002, -0.12, 1.1 if figure.long_sleeves else 0.52)
+    shoulder = _shoulder(figure, thickness)
+    parts = [upper]
+    if figure.long_sleeves:
+        parts.append(forearm_loft(figure, thickness + 0.003, -0.08, 0.94))
+        parts.append(ellipsoid(figure.bind.place("right_lower_arm"),
+                               np.full(3, 0.047 * figure.limb * h / 1.76)))  # fmt: skip
+    sleeve = join(parts, 0.02)
+    chest = _chest(figure, thickness)
+
+    def half(p: Array) -> Array:
+        d = smooth_min(body(p), shoulder(p), 0.06)
+        d = chest(p, d)
+        return smooth_min(d, sleeve(p), 0.035)
+
+    return _neckline(figure, _both(half))
+
+
+def _chest(figure: Figure, thickness: float):
+    """The breast's or the chest muscle's addition to a trunk's distance."""
+    h = figure.height
+    if figure.female:
+        centre, radii, k = np.array([0.030, -0.044, 0.722]) * h, np.array([0.044, 0.041, 0.040]) * h + thickness, 0.030
+    else:
+        centre, radii, k = np.array([0.018, -0.050, 0.738]) * h, np.array([0.046, 0.056, 0.042]) * h + thickness, 0.045
+    breast = ellipsoid(centre, radii)
+    return lambda p, d: smooth_min(d, breast(p), k)
+
+
+def _neckline(figure: Figure, body: Field) -> Field:
+    """The shirt cut out around the neck, with a short slit in front."""
+    h = figure.height
+    high, low = neck_axis(figure)
+    hole = cone(high, low, figure.neck[1] + 0.004, figure.neck[1] + 0.004)
+    notch = cone(low + np.array([0.045, 0.0, 0.012]) * h, low + np.array([0.075, 0.0, -0.040]) * h, 0.026 * h, 0.004 * h)
+    return lambda p: smooth_max(smooth_max(body(p), -hole(p), 0.004), -notch(p), 0.006)
+
+
+def collar(figure: Figure) -> Field:
+    """A turned-up band around the neck, open in front."""
+    h = figure.height
+    high, low = neck_axis(figure)
+    axis = (high - low) / np.linalg.norm(high - low)
+    radius = figure.neck[1]
+    ring = cone(low - 0.02 * axis, low + 0.5 * (high - low), radius + 0.024, radius + 0.006)
+    top = half_space(low + np.array([0.0, 0.0, 0.020]) * h, np.array([0.36, 0.0, 1.0]))
+    bottom = half_space(low + np.array([0.0, 0.0, -0.014]) * h, np.array([-0.30, 0.0, -1.0]))
+    gap = cone(low + np.array([0.03, 0.0, 0.05]) * h, low + np.array([0.072, 0.0, -0.040]) * h, 0.036 * h, 0.004 * h)
+    return lambda p: smooth_max(intersect(intersect(ring, top, 0.006), bottom, 0.006)(p), -gap(p), 0.004)
+
+
+def belt(figure: Figure) -> Field:
+    """A band that hides where shirt and trousers meet."""
+    return trunk_loft(figure, 0.012, _WAIST - 0.018, _WAIST + 0.004)
+
+
+def trousers(figure: Figure) -> Field:
+    """Hips and legs down to the hem over the shoes."""
+    h, bind = figure.height, figure.bind
+    pelvis = trunk_loft(figure, 0.006, 0.47, _WAIST)
+    hip, knee, ankle = (bind.place(f"right_{name}") for name in ("upper_leg", "lower_leg", "foot"))
+    thigh = Loft(hip, knee - hip, _FORWARD, _leg(figure, float(np.linalg.norm(knee - hip)), (
+        (-0.12, 7.6, 8.2, 9.4, 0.4), (0.0, 8.6, 8.6, 10.0, 0.2), (0.15, 8.9, 9.0, 9.6, 0.0), (0.4, 8.2, 8.9, 8.6, 0.0),
+        (0.7, 6.8, 7.5, 7.2, 0.0), (0.9, 6.0, 6.6, 6.4, 0.0), (1.05, 5.7, 6.3, 6.2, 0.0),
+    )), 2.15)  # fmt: skip
+    shank = Loft(knee, ankle - knee, _FORWARD, _leg(figure, float(np.linalg.norm(ankle - knee)), (
+        (-0.05, 5.8, 6.3, 6.2, 0.0), (0.08, 5.8, 5.9, 6.5, 0.0), (0.28, 6.0, 5.5, 7.6, 0.0), (0.5, 5.6, 5.2, 7.2, 0.0),
+        (0.75, 5.1, 5.0, 6.3, 0.0), (0.95, 5.2, 5.4, 6.2, 0.0), (1.04, 5.3, 5.7, 6.3, 0.0),
+    )), 2.15)  # fmt: skip
+    seat = ellipsoid(hip + np.array([-0.030, 0.004, -0.010]) * h,
+                     np.array([0.048, 0.046, 0.052]) * h + 0.004)  # fmt: skip
+
+    def leg(p: Array) -> Array:
+        return smooth_min(smooth_min(thigh(p), shank(p), 0.02), seat(p), 0.05)
+
+    return lambda p: smooth_min(pelvis(p), _both(leg)(p), 0.045)
+
+
+def _leg(figure: Figure, length: float, rows: tuple[tuple[float, ...], ...]) -> Array:
+    """Stations in metres from shares of a bone and centimetres of a man's leg."""
+    table = np.array(rows)
+    girth = 0.01 * figure.height / 1.76 * (0.5 + 0.5 * figure.limb)
+    out = np.zeros((len(table), 5))
+    out[:, 0] = table[:, 0] * length
+    out[:, 1:] = table[:, 1:] * girth
+    return out
