@@ -96,6 +96,7 @@ class WorldClient:
         self._context = context or zmq.Context()
         self._owns_context = context is None
         self._own: dict[str, _Own] = {}
+        self._closed = False
         self._behind = 0
         self._snapshots: zmq.Socket[bytes] | None = None
         self._snapshot_port = 0
@@ -114,6 +115,9 @@ class WorldClient:
 
     def close(self) -> None:
         """Close the sockets. Humans that have not left stay for the server's grace time."""
+        if self._closed:
+            return
+        self._closed = True
         self._link.close()
         if self._snapshots is not None:
             self._snapshots.close(0)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import secrets
+import struct
 import time
 from collections import deque
 from collections.abc import Callable
 
 import msgspec
 import zmq
-from zmq.utils.monitor import parse_monitor_message
 
 from ahmss.errors import Unreachable, WorldError
 from ahmss.world.address import Address
@@ -23,6 +23,7 @@ LARGEST_MESSAGE = 4 << 20
 
 _HEARTBEAT_S = 1.0
 _MOST_WAITING = 1000
+_EVENT = struct.Struct("=HI")  # of a socket's monitor: what happened, and a value
 
 
 class Pending:
@@ -189,7 +190,7 @@ class Link:
         """Follow the connection: up sends what waits, down fails what was under way."""
         while True:
             try:
-                event = parse_monitor_message(self._monitor.recv_multipart(zmq.NOBLOCK))["event"]
+                event, _ = _EVENT.unpack(self._monitor.recv_multipart(zmq.NOBLOCK)[0])
             except zmq.Again:
                 return
             if event == zmq.EVENT_DISCONNECTED and self.is_up:
