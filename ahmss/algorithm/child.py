@@ -26,7 +26,7 @@ __all__ = ["GREETING", "Child", "Hired", "Request", "Spawned", "describe"]
 
 GREETING = struct.Struct("<i")  # from the pool: first the worker's process id, at its end its exit status
 _UNKNOWN = 256  # an exit status that nobody could tell
-_PATIENCE = 2.0  # seconds until a pool that does not answer is given up
+_PATIENCE = 5.0  # seconds until a pool that does not answer is given up
 
 
 class Child(Protocol):

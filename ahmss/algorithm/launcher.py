@@ -19,6 +19,7 @@ from ahmss.errors import AhmssError
 __all__ = ["Entry", "Launcher"]
 
 _NAP = 0.002  # seconds between looks at a process whose exit status is still to come
+_GLANCE = 0.05  # seconds between looks at one that says nothing: it may have died, or be past its deadline
 
 
 class Entry(Protocol):
@@ -130,6 +131,7 @@ class Launcher:
             self.tend()
         if self._pool is not None:
             self._pool.close()
+            self._pool = None
 
     def _child(self, entry: Entry, start: Start, pipes: Pipes) -> Child:
         """A process for the entry, from the pool if it is Python."""
@@ -166,6 +168,7 @@ def _interpreter(script: tuple[str, ...], directory: Path, pipes: Pipes) -> Spaw
 def _look(owing: list[AlgorithmProcess], timeout: float) -> None:
     """Wait until one of these says something, and take it."""
     poll = select.poll()
+    timeout = min(timeout, _GLANCE)
     sources: dict[int, AlgorithmProcess] = {}
     for process in owing:
         if process.silent:
@@ -176,8 +179,9 @@ def _look(owing: list[AlgorithmProcess], timeout: float) -> None:
             sources[process.log_fileno] = process
     for source in sources:
         poll.register(source, select.POLLIN)
-    for source, _ in poll.poll(timeout * 1000.0):
+    heard = poll.poll(timeout * 1000.0)
+    for source, _ in heard:
         sources[source].collect(log=source != sources[source].fileno())
-    for process in owing:
-        if process.silent:
+    if not heard:
+        for process in owing:
             process.collect()

@@ -25,6 +25,7 @@ __all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Phase"
 _FRAME_NUMBER = struct.Struct("<d")
 _STOP = encode(Kind.STOP)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
+_LATE = 0.05  # seconds of silence after which it may have died, its output held open by what it started
 
 
 class Phase(Enum):
@@ -143,7 +144,7 @@ class AlgorithmProcess:
 
     def collect(self, *, log: bool = False) -> None:
         """Read what is there: messages, or (`log`) its standard error. Called by the launcher while it waits."""
-        if log:
+        if log and not self.ended:
             self._log.drain()
         elif self.active:
             self._read()
@@ -183,6 +184,7 @@ class AlgorithmProcess:
         log = f'; its log ends with "{last}"' if last and last not in reason else ""
         self.failure = AlgorithmError(f"algorithm {self.name}{where}: {reason}{log}")
         self.phase = Phase.FAILED
+        self.pending = 0  # nobody need wait for it
         self._finish(0.0)
 
     def stderr_tail(self) -> str:
@@ -270,23 +272,33 @@ class AlgorithmProcess:
         self._finish(self._deadlines.stop)
 
     def _watch(self) -> None:
-        """Deadlines, and an output that has ended."""
+        """Deadlines, and a process that has died or closed its output."""
         now = time.monotonic()
-        if self.phase is Phase.STARTING:
-            self._child.poll()
         if self._inbound.over:
             self._silent = now if self._silent is None else self._silent
-            status = self._child.poll()
             if self._frames and self.last == self._frames:
                 self._done()
-            elif status is not None:
-                self.fail(f"{describe(status)} before its motion was over")
-            elif now - self._silent > _END_PATIENCE:
+            elif not self._died() and now - self._silent > _END_PATIENCE:
                 self.fail("it closed its standard output before its motion was over")
-        elif self.phase is Phase.STARTING and now - self._asked > self._deadlines.start:
-            self.fail(f"it did not answer within {self._deadlines.start:g} s of its start")
-        elif self.pending and self.phase is Phase.RUNNING and now - self._asked > self._deadlines.frame:
+        elif self.phase is Phase.STARTING:
+            if not self._died() and now - self._asked > self._deadlines.start:
+                self.fail(f"it did not answer within {self._deadlines.start:g} s of its start")
+        elif self.pending and (silence := now - self._asked) > _LATE and not self._died():
+            self._too_slow(silence)
+
+    def _too_slow(self, silence: float) -> None:
+        """Give it up when its frame is overdue."""
+        if silence > self._deadlines.frame:
             self.fail(f"it gave no pose within {self._deadlines.frame:g} s")
+
+    def _died(self) -> bool:
+        """Whether its process is gone; then its last words count, and if there are none, how it ended."""
+        status = self._child.poll()
+        if status is not None:
+            self._read()
+            if self.active:
+                self.fail(f"{describe(status)} before its motion was over")
+        return status is not None
 
     # --- its end ------------------------------------------------------------------------------------------------------
 

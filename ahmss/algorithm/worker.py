@@ -67,6 +67,8 @@ def serve(listener: socket.socket, pool: socket.socket) -> NoReturn:
     events.register(pool.fileno(), select.EPOLLIN)
     while True:
         ready = {descriptor for descriptor, _ in events.poll()}
+        if pool.fileno() in ready:  # first: a listener whose pool is gone stays readable for ever
+            os._exit(0)
         if listener.fileno() in ready:
             with contextlib.suppress(OSError, msgspec.MsgspecError, ValueError):
                 taken = _take(listener, pool, own)
@@ -74,8 +76,6 @@ def serve(listener: socket.socket, pool: socket.socket) -> NoReturn:
                     events.close()
                     os.closerange(3, 1 << 16)
                     become(taken.argv, taken.directory)
-        elif pool.fileno() in ready:
-            os._exit(0)
 
 
 def _take(listener: socket.socket, pool: socket.socket, own: int) -> Request | None:
