@@ -1,0 +1,281 @@
+"""The command line: each command calls one function, and imports what it needs only when it runs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+from ahmss.errors import AhmssError
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="ahmss", no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False,
+    help="Virtual humans that act on objects which know how.",
+)  # fmt: skip
+new_app = typer.Typer(no_args_is_help=True, help="Write a working start of an object or an algorithm.")
+motion_app = typer.Typer(no_args_is_help=True, help="Look at motion clips.")
+app.add_typer(new_app, name="new")
+app.add_typer(motion_app, name="motion")
+
+Server = Annotated[str, typer.Option("--server", metavar="HOST[:PORT]", help="The server; left out: this machine's.")]
+Keys = Annotated[Path | None, typer.Option("--keys", metavar="DIR", help="Keys for a server on another machine.")]
+Workspace = Annotated[
+    Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with objectdb/; left out: found.")
+]
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
+
+
+def main() -> None:
+    """Run the command that was typed; an error is one sentence and exit code 1."""
+    debug = "--debug" in sys.argv
+    if debug:
+        sys.argv.remove("--debug")
+    try:
+        app()
+    except AhmssError as error:
+        if debug:
+            raise
+        _fail(str(error))
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except Exception as error:
+        if debug:
+            raise
+        _fail(f"a fault of the program itself: {type(error).__name__}: {error}; --debug shows where")
+
+
+@app.command()
+def demo(
+    seconds: Annotated[float, typer.Option(help="Stop the live viewer after so long at most.")] = 600.0,
+    out: Annotated[Path, typer.Option(help="Where the recording, the film and the sheet go.")] = Path("out"),
+    window: Annotated[
+        bool, typer.Option("--window/--no-window", help="Open a window where there is a display.")
+    ] = True,
+    workspace: Workspace = None,
+) -> None:
+    """Play examples/table.txt with every kind of process, and make a film of it. Example: ahmss demo"""
+    from ahmss.main.demo import run_demo
+
+    run_demo(out, workspace, window=window, seconds=seconds, say=typer.echo)
+
+
+@app.command()
+def up(
+    human: Annotated[str, typer.Option(help="The human's name.")] = "ken",
+    body: Annotated[str, typer.Option(help="Which body of humandb.")] = "",
+    scene: Annotated[str, typer.Option(help="A kind of object to add at first; empty: none.")] = "room",
+    workspace: Workspace = None,
+) -> None:
+    """Server, viewer and main on this machine, with the console. Example: ahmss up --human aiko --body aiko"""
+    from ahmss.main.up import run_up
+
+    run_up(human, body, scene, workspace)
+
+
+@app.command()
+def server(
+    address: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="Where to listen; other machines: 0.0.0.0.")] = "",
+    record: Annotated[Path | None, typer.Option(help="A file that every tick is written to.")] = None,
+    directory: Annotated[Path | None, typer.Option(help="Where the world stays over a restart.")] = None,
+    keys: Keys = None,
+    lockstep: Annotated[str, typer.Option(metavar="NAMES", help="Wait for these humans each tick (for --fast).")] = "",
+    rate: Annotated[float, typer.Option(help="Ticks a second.")] = 60.0,
+) -> None:
+    """The virtual-space server. Example: ahmss server --directory world"""
+    from ahmss.world.__main__ import main as serve
+
+    options: dict[str, Any] = {
+        "--address": address, "--record": record, "--directory": directory, "--keys": keys, "--lockstep": lockstep,
+        "--rate": rate,
+    }  # fmt: skip
+    code = serve([word for option, value in options.items() if value for word in (option, str(value))])
+    raise typer.Exit(code)
+
+
+@app.command("main")
+def main_process(
+    human: Annotated[str, typer.Option(help="The human's name in the world.")] = "ken",
+    body: Annotated[
+        str, typer.Option(help="Which body of humandb; left out: the human's own name, or the first.")
+    ] = "",
+    at: Annotated[tuple[float, float], typer.Option(metavar="X Y", help="Where it stands, metres.")] = (0.0, 0.0),
+    facing: Annotated[float, typer.Option(help="Its heading, degrees.")] = 0.0,
+    server: Server = "",
+    keys: Keys = None,
+    script: Annotated[Path | None, typer.Option(help="Carry out this human's part of a script, and end.")] = None,
+    group: Annotated[str, typer.Option(hidden=True)] = "",
+    fast: Annotated[bool, typer.Option(help="As fast as it can, in lockstep.")] = False,
+    seed: Annotated[int, typer.Option(help="For whatever is random.")] = 0,
+    as_json: Json = False,
+    workspace: Workspace = None,
+) -> None:
+    """One virtual human and its console. Example: ahmss main --human aiko --server 192.168.0.7"""
+    from ahmss.main.start import start_main
+
+    failures = start_main(
+        human, body, at, facing, server, keys, script, group, workspace, fast=fast, seed=seed, as_json=as_json
+    )
+    raise typer.Exit(1 if failures else 0)
+
+
+@app.command()
+def play(
+    file: Annotated[Path, typer.Argument(help="A script, or a recording.")],
+    fast: Annotated[bool, typer.Option(help="As fast as it can, the same at each run.")] = False,
+    seed: Annotated[int, typer.Option(help="For whatever is random.")] = 0,
+    record: Annotated[Path | None, typer.Option(help="Record the run into this file.")] = None,
+    server: Server = "",
+    keys: Keys = None,
+    workspace: Workspace = None,
+) -> None:
+    """Play a script on a server of its own, or a recording into a server. Example: ahmss play examples/table.txt --fast"""
+    from ahmss.main.play import PlaySetup, play_script
+    from ahmss.main.replay import is_recording, play_recording
+
+    setup = PlaySetup(fast, seed, record, server, keys, workspace)
+    if is_recording(file):
+        play_recording(file, setup, typer.echo)
+        return
+    report = play_script(file, setup, lambda address: typer.echo(f"on the server at {address}", err=True))
+    typer.echo(str(report))
+    if report.failures:
+        raise typer.Exit(1)
+
+
+@app.command()
+def view(
+    replay: Annotated[Path | None, typer.Argument(help="A recording; left out: a server.")] = None,
+    server: Server = "",
+    keys: Keys = None,
+    headless: Annotated[bool, typer.Option(help="Without a window.")] = False,
+    record: Annotated[Path | None, typer.Option(help="An MP4 of what is shown.")] = None,
+    snapshot: Annotated[Path | None, typer.Option(help="One picture, PNG.")] = None,
+    sheet: Annotated[Path | None, typer.Option(help="Many frames on one page, PNG.")] = None,
+    every: Annotated[int, typer.Option(help="Frames between two pictures of the sheet; 0: as fits.")] = 0,
+    at: Annotated[float | None, typer.Option(help="Seconds into the recording, for the snapshot.")] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, in pixels.")] = "1280x720",
+    camera: Annotated[str, typer.Option(help="auto, front, back, left, right, top or close.")] = "auto",
+    follow: Annotated[str, typer.Option(metavar="HUMAN", help="Keep this human in the middle.")] = "",
+    names: Annotated[bool, typer.Option(help="Write names into the picture.")] = False,
+    request: Annotated[bool, typer.Option(help="Ask for each world, as the thesis's viewer did.")] = False,
+    seconds: Annotated[float | None, typer.Option(help="Stop after so long.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Watch a server or a recording. Example: ahmss view run.rec --record film.mp4 --sheet sheet.png"""
+    from ahmss.main.watching import watch
+
+    watch(
+        as_json=as_json, address=server, keys=keys, replay=replay, headless=headless, record=record,
+        snapshot=snapshot, sheet=sheet, every=every, size=_size(size), request=request, camera=camera, follow=follow,
+        at=at, seconds=seconds, names=names,
+    )  # fmt: skip
+
+
+@app.command("list")
+def list_(
+    what: Annotated[str, typer.Argument(help="objects, humans, algorithms, or the name of an object.")] = "",
+    as_json: Json = False,
+    workspace: Workspace = None,
+) -> None:
+    """What the workspace offers. Example: ahmss list cup"""
+    from ahmss.main.listing import list_workspace
+
+    list_workspace(what, workspace, as_json=as_json)
+
+
+@app.command()
+def check(as_json: Json = False, workspace: Workspace = None) -> None:
+    """Read the whole workspace and say what is wrong, file by file. Example: ahmss check"""
+    from ahmss.main.listing import check_workspace
+
+    if check_workspace(workspace, as_json=as_json):
+        raise typer.Exit(1)
+
+
+@new_app.command("object")
+def new_object(name: str, workspace: Workspace = None) -> None:
+    """A new object with a box for a shape. Example: ahmss new object vase"""
+    from ahmss.database.layout import new_object as write
+    from ahmss.database.workspace import Workspace as Found
+
+    typer.echo(f"wrote {write(Found.find(workspace), name)}")
+
+
+@new_app.command("algorithm")
+def new_algorithm(
+    name: str,
+    kind: Annotated[str, typer.Option(help="human or object.")] = "human",
+    workspace: Workspace = None,
+) -> None:
+    """A new algorithm of about ten lines. Example: ahmss new algorithm bow"""
+    from ahmss.algorithm.staging import new_algorithm as write
+    from ahmss.database.workspace import Workspace as Found
+
+    typer.echo(f"wrote {write(Found.find(workspace), name, kind)}")
+
+
+@app.command()
+def init(directory: Annotated[Path, typer.Argument(help="Where to.")]) -> None:
+    """Lay out a workspace of your own. Example: ahmss init ~/my-room"""
+    from ahmss.database.layout import init as lay_out
+    from ahmss.database.workspace import Workspace as Found
+
+    lay_out(directory, Found.find())
+    typer.echo(f"{directory} is ready; work in it: cd {directory} && ahmss up")
+
+
+@app.command()
+def keys(
+    directory: Annotated[Path, typer.Argument(help="Where the keys are kept.")] = Path("keys"),
+    name: Annotated[str, typer.Option(help="The client's name.")] = "client",
+) -> None:
+    """Make the keys that a server needs which other machines reach. Example: ahmss keys"""
+    from ahmss.world.keys import make
+
+    made = make(directory, name)
+    typer.echo("\n".join(f"made {path}" for path in made) or f"{directory}: all keys are there already")
+
+
+@app.command()
+def doctor(as_json: Json = False) -> None:
+    """What this machine lacks for windows, pictures and trackers, and how to mend it. Example: ahmss doctor"""
+    from ahmss.main.doctor import examine
+
+    if examine(as_json=as_json):
+        raise typer.Exit(1)
+
+
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+def bench(context: typer.Context) -> None:
+    """Measure start times and rates against the goals. Example: ahmss bench --json"""
+    from ahmss.bench.run import main as measure  # pyright: ignore
+
+    raise typer.Exit(measure(context.args))
+
+
+@motion_app.command()
+def quality(file: Annotated[Path, typer.Argument(help="A motion clip, .npz.")], as_json: Json = False) -> None:
+    """How smooth a clip is, and whether its feet stay. Example: ahmss motion quality objectdb/cup/reach.npz"""
+    from ahmss.main.listing import clip_quality
+
+    clip_quality(file, as_json=as_json)
+
+
+def _size(text: str) -> tuple[int, int]:
+    """WIDTHxHEIGHT."""
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise typer.BadParameter(f'"{text}" is no size; write it as 1280x720', param_hint="--size")
+    return int(width), int(height)
+
+
+def _fail(sentence: str) -> NoReturn:
+    if "--json" in sys.argv:
+        print(json.dumps({"error": sentence}))
+    print(f"ahmss: {sentence}", file=sys.stderr)
+    sys.exit(1)

@@ -1,0 +1,131 @@
+"""Playing a script: a server and one main process for each human, each a process of its own."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ahmss.errors import AhmssError, CommandError
+from ahmss.main.command import Human
+from ahmss.main.script import Script, read_script
+from ahmss.world.process import ServerProcess
+
+__all__ = ["PlayReport", "PlaySetup", "play_script", "running_server"]
+
+_STOP_S = 10.0
+
+
+@dataclass(frozen=True)
+class PlaySetup:
+    """How a script is played; without `server` it gets one of its own, which alone can record."""
+
+    fast: bool = False
+    seed: int = 0
+    record: Path | None = None
+    server: str = ""
+    keys: Path | None = None
+    workspace: Path | None = None
+
+
+@dataclass
+class PlayReport:
+    """What became of a script: one report of each main."""
+
+    mains: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
+
+    @property
+    def failures(self) -> int:
+        """How many things went wrong."""
+        return sum(int(main["failures"]) for main in self.mains)
+
+    def __str__(self) -> str:
+        """A line for each human."""
+        lines: list[str] = []
+        for main in self.mains:
+            rate = main["frames"] / main["seconds"] if main["seconds"] else 0.0
+            lines.append(
+                f"{main['human']}: {main['frames']} frames in {main['seconds']:.1f} s ({rate:.0f}/s), "
+                f"{main['late']} began late, {main['held']} held for a motion, {main['failures']} failures"
+            )
+        return "\n".join(lines)
+
+
+@contextmanager
+def running_server(setup: PlaySetup, names: tuple[str, ...]) -> Iterator[str]:
+    """The address of the server to play on: the one that was named, or one of its own for as long as this lasts."""
+    if setup.server:
+        if setup.record is not None:
+            raise CommandError("--record needs a server of its own: leave --server out, or record there (ahmss server)")
+        yield setup.server
+        return
+    with tempfile.TemporaryDirectory(prefix="ahmss-") as directory:
+        log = Path(directory) / "server.log"
+        with ServerProcess(lockstep=names if setup.fast else (), recording=setup.record, log=log) as server:
+            yield server.address
+        for line in log.read_text(errors="replace").splitlines():
+            if "can't be written" in line or "recording" in line:
+                raise AhmssError(line)
+
+
+def play_script(path: Path, setup: PlaySetup, ready: Callable[[str], None] = lambda _: None) -> PlayReport:
+    """Play a script to its end; `ready` is told the server's address before the first frame.
+
+    Raises:
+        AhmssError: the script is wrong, or a process could not be started.
+    """
+    script = read_script(path)
+    names = tuple(human.name for human in script.humans)
+    group = path.stem if setup.fast else f"{path.stem}-{secrets.token_hex(4)}"
+    with ExitStack() as stack:
+        address = stack.enter_context(running_server(setup, names))
+        ready(address)
+        mains = [_start(script, human, setup, address, group) for human in script.humans]
+        try:
+            reports = [_finish(main, human.name) for main, human in zip(mains, script.humans, strict=True)]
+        except BaseException:
+            _stop(mains)
+            raise
+    return PlayReport(reports)
+
+
+def _start(script: Script, human: Human, setup: PlaySetup, address: str, group: str) -> subprocess.Popen[bytes]:
+    """One human's main process."""
+    command = [sys.executable, "-m", "ahmss", "main", "--server", address, "--human", human.name, "--json"]
+    command += ["--script", str(script.path), "--group", group, "--seed", str(setup.seed)]
+    command += ["--fast"] if setup.fast else []
+    for option, value in (("--workspace", setup.workspace), ("--keys", setup.keys)):
+        command += [option, str(value)] if value else []
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
+
+
+def _finish(main: subprocess.Popen[bytes], name: str) -> dict[str, Any]:
+    """A main's report, once it has come to its end."""
+    output, _ = main.communicate()
+    try:
+        return json.loads(output.splitlines()[-1])
+    except (ValueError, IndexError):
+        raise AhmssError(f"the main process of {name} ended with exit code {main.returncode} and no report") from None
+
+
+def _stop(mains: list[subprocess.Popen[bytes]]) -> None:
+    """End all mains, politely first."""
+    for main in mains:
+        if main.poll() is None:
+            main.send_signal(signal.SIGINT)
+    for main in mains:
+        try:
+            main.wait(_STOP_S)
+        except subprocess.TimeoutExpired:
+            main.kill()
+            main.wait()
+        if main.stdout is not None:
+            main.stdout.close()

@@ -1,0 +1,79 @@
+"""Starting one main: with a script's part to carry out, or with its console."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import signal
+import sys
+from collections import deque
+from pathlib import Path
+
+from ahmss.errors import CommandError
+from ahmss.main.process import MainProcess, Report, Setup
+from ahmss.main.script import Step, read_script
+
+__all__ = ["start_main"]
+
+
+def start_main(
+    human: str, body: str, place: tuple[float, float], facing_deg: float, server: str, keys: Path | None,
+    script: Path | None, group: str, workspace: Path | None, *, fast: bool, seed: int, as_json: bool,
+) -> int:  # fmt: skip
+    """Run one main to its end; returns how many things went wrong.
+
+    Raises:
+        AhmssError: the script or the body is wrong, or there is no server.
+    """
+    client_keys = None
+    if keys is not None:
+        from ahmss.world.keys import read_client
+
+        client_keys = read_client(keys)
+    setup = Setup(
+        human, body, place, facing_deg, server, workspace, fast=fast, seed=seed, group=group, keys=client_keys
+    )  # fmt: skip
+    if script is None:
+        from ahmss.main.console import run_console
+
+        return run_console(setup)
+    steps, setup = _part(script, setup)
+    report = _carry_out(setup, steps)
+    if as_json:
+        print(json.dumps(dataclasses.asdict(report)), flush=True)
+    return report.failures
+
+
+def _part(path: Path, setup: Setup) -> tuple[deque[Step], Setup]:
+    """The human's part of a script, and the setup with what the script says of it."""
+    script = read_script(path)
+    for human in script.humans:
+        if human.name == setup.human:
+            names = tuple(h.name for h in script.humans)
+            said = dataclasses.replace(
+                setup, body=human.body, place=human.place, facing_deg=human.facing_deg, names=names
+            )
+            return deque(script.part_of(human.name)), said
+    raise CommandError(f'{path}: no human "{setup.human}" in it; it has: {", ".join(h.name for h in script.humans)}')
+
+
+def _carry_out(setup: Setup, steps: deque[Step]) -> Report:
+    """A script's part; Ctrl-C ends it in good order."""
+    several = len(setup.names) > 1
+
+    def say(text: str) -> None:
+        print(f"{setup.human}: {text}" if several else text, file=sys.stderr, flush=True)
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGTERM, interrupt)
+    main = MainProcess(setup, say)
+    try:
+        return main.play(steps)
+    except KeyboardInterrupt:
+        say("stopped")
+        main.report.failures += 1
+        return main.report
+    finally:
+        main.close(stay=several)
