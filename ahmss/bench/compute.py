@@ -1,0 +1,136 @@
+"""Frames computed a second (table 5.6 of the thesis): this process is the main, all others are real ones.
+
+The motions are those of the shipped programs on the shipped clips; the objects that offer them are files in a
+workspace of the bench's own, as a user would drop them into objectdb/. Everything is published to a real server, in
+lockstep, as fast as it goes.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import tempfile
+import time
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ahmss.database.layout import init
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError
+from ahmss.main.command import parse
+from ahmss.main.process import MainProcess, Setup
+from ahmss.main.script import Step
+from ahmss.world.process import ServerProcess
+
+__all__ = ["CASES", "Rig", "compute_fps", "rig"]
+
+CASES = {
+    "playback": "do thing playback frames {n}",
+    "slerp": "do thing slerp frames {n}",
+    "fusion": "do thing playback frames {n} with other slerp frames {n}",
+    "object": "do thing carry frames {n}",
+    "fusion_object": "do thing carry frames {n} with other slerp frames {n}",
+}
+_HUMAN = "bench"
+_WARM, _FRAMES, _ROUNDS = 300, 2000, 5
+
+
+def compute_fps(workspace: Workspace) -> dict[str, float]:
+    """Frames a second of each case, the median of several stretches of one long motion."""
+    with rig(workspace) as one:
+        return {case: one.rate(line) for case, line in CASES.items()}
+
+
+class Rig:
+    """A main with a server of its own, in lockstep."""
+
+    def __init__(self, main: MainProcess) -> None:
+        self._main = main
+        self._line = 0
+
+    def carry_out(self, line: str) -> None:
+        """Carry out a line to its end."""
+        self._begin(line)
+        while not self._main.agenda.done:
+            self._main.frame()
+
+    def rate(self, line: str, frames: int = _FRAMES, rounds: int = _ROUNDS) -> float:
+        """Frames a second while a line is carried out; `{n}` in it is the number of frames it needs."""
+        self._begin(line.format(n=_WARM + rounds * frames + 1))
+        for _ in range(_WARM):
+            self._main.frame()
+        took: list[float] = []
+        for _ in range(rounds):
+            began = time.perf_counter()
+            for _ in range(frames):
+                self._main.frame()
+            took.append(time.perf_counter() - began)
+        failures = self._main.report.messages
+        if failures:
+            raise AhmssError(f"`{line}` can't be measured: {failures[0]}")
+        while not self._main.agenda.done:
+            self._main.frame()
+        return frames / statistics.median(took)
+
+    def _begin(self, line: str) -> None:
+        self._line += 1
+        parsed = parse(line)
+        assert parsed is not None
+        self._main.agenda.add(Step(parsed, self._line, "bench"))
+
+
+@contextmanager
+def rig(workspace: Workspace, objects: int = 0) -> Generator[Rig]:
+    """A main that stands in a world with the bench's two things and `objects` others."""
+    with tempfile.TemporaryDirectory(prefix="ahmss-bench-") as folder:
+        own = _own_workspace(workspace, Path(folder) / "workspace")
+        with ServerProcess(lockstep=(_HUMAN,), log=Path(folder) / "server.log") as server:
+            said: list[str] = []
+            setup = Setup(_HUMAN, server=server.address, workspace=own.root, fast=True, names=(_HUMAN,))
+            main = MainProcess(setup, said.append)
+            try:
+                one = Rig(main)
+                for line in ("add thing", "add other", *(f"add other as spare_{i} at 50 {i}" for i in range(objects))):
+                    one.carry_out(line)
+                yield one
+            finally:
+                main.close()
+
+
+def _own_workspace(workspace: Workspace, folder: Path) -> Workspace:
+    """A copy of a workspace with two kinds more, each of which affords the shipped algorithms."""
+    clips = {algorithm: _clip_of(workspace, algorithm) for algorithm in ("playback", "slerp")}
+    own = init(folder, workspace)
+    for kind in ("thing", "other"):
+        home = folder / "objectdb" / kind
+        home.mkdir()
+        for algorithm, clip in clips.items():
+            (home / f"{algorithm}.npz").write_bytes(clip.read_bytes())
+        (home / "object.toml").write_text(_object_file(kind))
+    return own
+
+
+def _object_file(kind: str) -> str:
+    """A kind with a site at its place and three affordances."""
+    lines = [f"name = {json.dumps(kind)}", "[sites.here]", "position = [0.4, -0.15, 1.0]"]
+    lines += ["[properties]", "diameter = 0.07"]
+    for name, algorithm in (("playback", "playback"), ("slerp", "slerp"), ("carry", "playback")):
+        lines += [f"[affordances.{name}]", f'human_algorithm = "{algorithm}"', f'motion = "{algorithm}.npz"']
+        lines += ['site = "here"']
+        if name == "carry":
+            lines += ['object_algorithm = "follow_hand"']
+    return "\n".join(lines) + "\n"
+
+
+def _clip_of(workspace: Workspace, algorithm: str) -> Path:
+    """A shipped clip that an affordance plays by an algorithm: the largest, whose targets are the most work."""
+    found = [
+        affordance.motion
+        for name in workspace.objects.names()
+        for affordance in workspace.objects.get(name).affordances.values()
+        if affordance.human_algorithm == algorithm and affordance.motion is not None
+    ]
+    if not found:
+        raise AhmssError(f"{workspace.root}/objectdb: nothing affords a motion by {algorithm} to measure with")
+    return max(found, key=lambda path: (path.stat().st_size, path))

@@ -1,0 +1,56 @@
+"""A bench's numbers as a table against the thesis and the goals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from ahmss.bench.goals import GOALS, look_up
+
+__all__ = ["markdown", "missed", "show"]
+
+
+def missed(report: Mapping[str, Any]) -> list[str]:
+    """The keys of the goals that were measured and not reached."""
+    found: list[str] = []
+    for goal in GOALS:
+        value = look_up(report, goal.key)
+        if value is not None and not goal.met(value):
+            found.append(goal.key)
+    return found
+
+
+def show(report: Mapping[str, Any]) -> None:
+    """Print the table."""
+    table = Table(title="Measured against the thesis (2000) and the numbers to reach")
+    for column, side in (("what", "left"), ("thesis", "right"), ("reach", "right"), ("measured", "right"), ("", "left")):
+        table.add_column(column, justify="right" if side == "right" else "left")
+    for cells in _rows(report):
+        table.add_row(*cells)
+    Console().print(table)
+
+
+def markdown(report: Mapping[str, Any]) -> str:
+    """The same as a table for the documentation."""
+    lines = ["| what | thesis (2000) | to reach | measured | |", "|---|---|---|---|---|"]
+    lines += ["| " + " | ".join(cells) + " |" for cells in _rows(report)]
+    return "\n".join(lines)
+
+
+def _rows(report: Mapping[str, Any]) -> list[tuple[str, str, str, str, str]]:
+    """A row a goal: what, thesis, reach, measured, and whether it was reached."""
+    rows: list[tuple[str, str, str, str, str]] = []
+    for goal in GOALS:
+        value = look_up(report, goal.key)
+        measured = "not measured" if value is None else f"{value:,.{_digits(value)}f} {goal.unit}".rstrip()
+        verdict = "" if value is None else ("reached" if goal.met(value) else "missed")
+        rows.append((goal.what, goal.thesis, f"{goal.reach} {goal.unit}".rstrip(), measured, verdict))
+    return rows
+
+
+def _digits(value: float) -> int:
+    """Decimals that a person would read."""
+    return 0 if value >= 200 else 1 if value >= 20 else 2

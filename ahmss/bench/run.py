@@ -1,0 +1,111 @@
+"""`ahmss bench`: all measurements, one after the other."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rich.console import Console
+
+from ahmss.bench.report import markdown, show
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError
+
+__all__ = ["MEASURES", "main", "measure"]
+
+_progress = Console(stderr=True)
+
+
+def _start(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.start import start_ms
+
+    return {"start_ms": start_ms(workspace)}
+
+
+def _compute(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.compute import compute_fps
+
+    return {"compute_fps": compute_fps(workspace)}
+
+
+def _display(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.display import display_fps
+
+    return display_fps(workspace)
+
+
+def _server(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.server_load import most_humans
+
+    return {"server": most_humans()}
+
+
+def _latency(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.server_load import latency_ms
+
+    return {"latency_ms": latency_ms()}
+
+
+def _body(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.body import us_per_human
+
+    return {"body_us_per_human": us_per_human()}
+
+
+MEASURES: dict[str, Callable[[Workspace], dict[str, Any]]] = {
+    "start": _start,
+    "compute": _compute,
+    "display": _display,
+    "server": _server,
+    "latency": _latency,
+    "body": _body,
+}
+
+
+def measure(names: Sequence[str], workspace: Workspace) -> dict[str, Any]:
+    """The report of some of MEASURES; one that can't be made says why on standard error and is left out."""
+    report: dict[str, Any] = {}
+    for name in names:
+        _progress.print(f"measuring {name} …")
+        try:
+            report |= MEASURES[name](workspace)
+        except AhmssError as error:
+            _progress.print(f"{name} could not be measured: {error}")
+    return report
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Measure what the command line asks for; 1 where something could not be measured."""
+    parser = argparse.ArgumentParser(
+        prog="ahmss bench",
+        description="Measure start times and rates, through real processes and a real server.",
+        epilog="Example: ahmss bench --json start compute",
+    )
+    parser.add_argument("what", nargs="*", help=f"some of: {', '.join(MEASURES)}; all if left out", metavar="WHAT")
+    parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
+    parser.add_argument("--markdown", action="store_true", help="a table for the documentation")
+    parser.add_argument("--scale", action="store_true", help="how the cost grows; draws docs/pictures/scale.png")
+    options = parser.parse_args(arguments)
+    unknown = [name for name in options.what if name not in MEASURES]
+    if unknown:
+        parser.error(f"nothing to measure called {', '.join(unknown)}; there is: {', '.join(MEASURES)}")
+    workspace = Workspace.find()
+    if options.scale:
+        from ahmss.bench.scale import scale
+
+        report = scale(workspace)
+        print(json.dumps(report, indent=2))
+        return 0
+    names = options.what or list(MEASURES)
+    report = measure(names, workspace)
+    if options.json:
+        print(json.dumps(report, indent=2))
+    elif options.markdown:
+        print(markdown(report))
+    else:
+        show(report)
+    sys.stdout.flush()
+    return 0 if report else 1
