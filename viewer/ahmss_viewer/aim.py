@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ahmss_viewer.camera import View, look_at
@@ -23,7 +25,13 @@ class Aim:
         self.view: View | None = None
         self._follower = Follower(options.follow)
 
-    def begin(self, stage: Stage, painter: Painter, wanted: Interest | None = None) -> View:
+    def begin(
+        self,
+        stage: Stage,
+        painter: Painter,
+        wanted: Interest | None = None,
+        moments: Iterable[Interest] | None = None,
+    ) -> View:
         """Choose the view; `wanted` is what is known of the whole motion, else what is on the stage now counts."""
         options, aspect = self.options, self.options.size[0] / self.options.size[1]
         wanted = wanted or interest(stage, options.follow)
@@ -32,7 +40,7 @@ class Aim:
         elif options.position is not None or options.look_at is not None:
             self.view = self._fixed(wanted)
         elif options.camera == "auto":
-            self.view = best_view(stage, painter, wanted, aspect)
+            self.view = best_view(stage, painter, wanted, aspect, moments)
         else:
             self.view = preset(options.camera, wanted, aspect)
         return self.view

@@ -42,7 +42,7 @@ def render_text(text: str, size: int, ink: tuple[int, int, int], paper: tuple[in
     plate = Image.new("RGBA", (width, height), (0, 0, 0, 0))
     pen = ImageDraw.Draw(plate)
     pen.rounded_rectangle((0, 0, width - 1, height - 1), radius=pad, fill=paper)
-    pen.multiline_text((pad, pad - min(top, 0) // 2), text, font=font(size), fill=(*ink, 255))
+    pen.multiline_text((pad, pad - size // 8), text, font=font(size), fill=(*ink, 255))
     pixels = np.asarray(plate).astype(np.uint16)
     pixels[..., :3] = pixels[..., :3] * pixels[..., 3:] // 255
     return pixels.astype(np.uint8)

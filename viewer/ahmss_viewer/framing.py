@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.links import INDEX
+from ahmss.body.links import INDEX, LINKS
 from ahmss_viewer.camera import View, project
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Actor, Stage
@@ -15,9 +16,10 @@ from ahmss_viewer.target import Target
 
 __all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset"]
 
-_SIDES = (40, -40, 60, -60, 25, -25, 85, -85, 115, -115, 150, -150)  # degrees from straight in front
-_HEIGHTS = (14, 24, 36)
-_SMALL = (128, 96)
+_SIDES = (40, -40, 60, -60, 22, -22, 85, -85, 120, -120)  # degrees from straight in front
+_HEIGHTS = (14, 27)
+_SMALL = 96  # pixels high
+_HIDDEN_COST, _SIDE_COST, _HEIGHT_COST = 1.0, 0.45, 0.1
 _INSIDE = 0.14  # metres: a joint lies about so deep under the skin
 _REACH, _LARGE = 0.75, 1.8  # what is so near to a hand counts, unless it is so large
 _HANDS = (INDEX["right_hand"], INDEX["left_hand"])
@@ -26,14 +28,17 @@ _PRESETS = {"front": (0, 8), "back": (180, 8), "right": (-90, 8), "left": (90, 8
 
 @dataclass(frozen=True)
 class Interest:
-    """What should be in the picture: points (n, 3) in the world, and where the first human faces (3,)."""
+    """What should be in the picture: points (n, 3) in the world, how much each matters (n,), where the first human
+    faces (3,)."""
 
     points: Array
+    weights: Array
     facing: Array
 
     def joined(self, other: Interest) -> Interest:
         """Both."""
-        return Interest(np.concatenate([self.points, other.points]), self.facing)
+        points, weights = np.concatenate([self.points, other.points]), np.concatenate([self.weights, other.weights])
+        return Interest(points, weights, self.facing)
 
 
 def interest(stage: Stage, name: str = "") -> Interest | None:
@@ -42,14 +47,27 @@ def interest(stage: Stage, name: str = "") -> Interest | None:
     if not actors:
         if not stage.things:
             return None
-        return Interest(np.array([thing.centre() for thing in stage.things.values()]), np.array([1.0, 0.0, 0.0]))
+        points = np.array([thing.centre() for thing in stage.things.values()])
+        return Interest(points, np.ones(len(points)), np.array([1.0, 0.0, 0.0]))
     points = [_body(actor) for actor in actors]
+    weights = [_BODY_WEIGHTS for _ in actors]
     hands = np.concatenate([actor.places[list(_HANDS)] for actor in actors])
     for thing in stage.things.values():
         centre = thing.centre()
         if float(np.ptp(thing.box, axis=0).max()) < _LARGE and np.linalg.norm(hands - centre, axis=1).min() < _REACH:
             points.append(centre[None])
-    return Interest(np.concatenate(points), actors[0].facing)
+            weights.append(np.ones(1))
+    return Interest(np.concatenate(points), np.concatenate(weights), actors[0].facing)
+
+
+def _body_weights() -> Array:
+    """Of the 43 joints and the head's top: face and hands say most, a hand's 14 finger joints together as one."""
+    weight = {"head": 1.5, "upper_leg": 0.3, "lower_leg": 0.3, "foot": 0.3, "hand": 1.0, "arm": 0.7, "spine": 0.7}
+    joints = [next((w for part, w in weight.items() if name.endswith(part)), 1.0 / 14.0) for name in LINKS]
+    return np.array([*joints, 1.5])
+
+
+_BODY_WEIGHTS = _body_weights()
 
 
 def _body(actor: Actor) -> Array:
@@ -59,7 +77,7 @@ def _body(actor: Actor) -> Array:
     return np.concatenate([actor.places, (head + 0.26 * up / max(float(np.linalg.norm(up)), 1e-9))[None]])
 
 
-def fit(view: View, points: Array, aspect: float, filled: float = 0.84) -> View:
+def fit(view: View, points: Array, aspect: float, filled: float = 0.74) -> View:
     """The same direction, from where all points lie within the filled share of the picture, centred."""
     size = (aspect, 1.0)
     view = replace(view, target=0.5 * (points.min(axis=0) + points.max(axis=0)))
@@ -84,21 +102,34 @@ def preset(name: str, wanted: Interest, aspect: float) -> View:
     return fit(view, points, aspect)
 
 
-def best_view(stage: Stage, painter: Painter, wanted: Interest, aspect: float) -> View:
-    """The view, of some from the front and the sides, that shows most: each is drawn, small, and looked at."""
-    target = Target(*_SMALL)
-    best, best_score = _facing(wanted.facing, 40, 20), -np.inf
-    points = wanted.points[:: max(1, len(wanted.points) // 200)]
+def best_view(
+    stage: Stage, painter: Painter, wanted: Interest, aspect: float, moments: Iterable[Interest] | None = None
+) -> View:
+    """The view, of some from the front and the sides, that shows most: each is drawn, small, and looked at.
+
+    Args:
+        wanted: all that should be in the picture.
+        moments: brings the stage to some moments of the motion, one after the other, and gives what matters then;
+            None: only what is on the stage now.
+    """
+    target = Target(round(_SMALL * aspect), _SMALL)
+    views: list[View] = []
+    scores: list[float] = []
     for height in _HEIGHTS:
         for side in _SIDES:
-            view = fit(_facing(wanted.facing, side, height), points, aspect)
-            painter.draw(stage, view, target.drawn, target)
-            shown = _visible(points, view, target)
-            score = shown - 0.2 * abs(abs(side) - 45.0) / 90.0 - 0.15 * abs(height - 18.0) / 20.0
-            if score > best_score:
-                best, best_score = view, score
+            views.append(fit(_facing(wanted.facing, side, height), wanted.points, aspect))
+            aside = max(0.0, abs(side) - 50.0) / 90.0
+            scores.append(-_SIDE_COST * aside - _HEIGHT_COST * abs(height - 16.0) / 16.0)
+    looked = [wanted] if moments is None else moments
+    hidden = np.zeros(len(views))
+    count = 0
+    for moment in looked:
+        count += 1
+        for i, view in enumerate(views):
+            painter.draw_depth(stage, view, target)
+            hidden[i] += 1.0 - _visible(moment, view, target)
     target.delete()
-    return fit(best, wanted.points, aspect)
+    return views[int(np.argmax(np.array(scores) - _HIDDEN_COST * hidden / max(count, 1)))]
 
 
 def _facing(facing: Array, side: float, height: float) -> View:
@@ -107,16 +138,16 @@ def _facing(facing: Array, side: float, height: float) -> View:
     return View(azimuth=azimuth, elevation=float(np.radians(height)))
 
 
-def _visible(points: Array, view: View, target: Target) -> float:
-    """The share of the points that nothing hides."""
+def _visible(wanted: Interest, view: View, target: Target) -> float:
+    """The share of what matters that nothing hides."""
     depth = target.read_depth()
-    seen = project(points, view, target.drawn)
+    seen = project(wanted.points, view, target.drawn)
     column = np.clip(seen[:, 0].astype(int), 0, target.drawn[0] - 1)
     row = np.clip(seen[:, 1].astype(int), 0, target.drawn[1] - 1)
     P = view.projection(target.drawn[0] / target.drawn[1])
     clip = 2.0 * depth[row, column].astype(float) - 1.0
     metres = P[2, 3] / (clip + P[2, 2])
-    return float(np.mean(metres > seen[:, 2] - _INSIDE))
+    return float(np.average(metres > seen[:, 2] - _INSIDE, weights=wanted.weights))
 
 
 class Follower:
@@ -141,6 +172,6 @@ class Follower:
         self._leaving = outside or (self._leaving and bool((np.abs(place - 0.5) > 0.44).any()))
         if not self._leaving:
             return view
-        ideal = fit(view, wanted.points, aspect, 0.78)
+        ideal = fit(view, wanted.points, aspect)
         target = view.target + share * (ideal.target - view.target)
         return replace(view, target=target, distance=view.distance + share * (ideal.distance - view.distance))

@@ -62,7 +62,7 @@ class _Watch:
         self.mirror = Mirror(studio.stage, source.asset, source.skeleton)
         self.aim = Aim(options)
         self.size = (options.size[0] // 2 * 2, options.size[1] // 2 * 2)
-        self.report = ViewReport(options.address or "127.0.0.1", self.size)
+        self.report = ViewReport(source.name, self.size)
         self.pace = Pace()
         self.sheet = Sheet(title=f"{self.report.source}   {time.strftime('%Y-%m-%d %H:%M')}")
         self.next_tile = 0

@@ -1,4 +1,4 @@
-"""Draws a stage: two shadow maps, everything once, the sky behind, flat pictures in front.
+"""Draws a stage: its shadows, everything once, the sky behind, flat pictures in front.
 
 pyrender's own renderer spends itself on pixels without a GPU (physically based shading, four samples a pixel: some 15
 pictures a second at 640x480). This one lights vertices, keeps the shadows of what stands still, and takes one sample.
@@ -19,12 +19,13 @@ from ahmss_viewer.caption import Flat
 from ahmss_viewer.program import Program
 from ahmss_viewer.shadow import ShadowMap, sun_view
 from ahmss_viewer.stage import Stage
+from ahmss_viewer.target import Screen, Target
 
 __all__ = ["Painter"]
 
 _SUN = np.array([-0.36, 0.30, 0.88])
 _FARTHEST_SHADOW = 9.0  # metres from the middle of the picture; beyond it nothing that stands casts a shadow
-_STILL_UNIT, _LIVE_UNIT, _IMAGE_UNIT = 1, 2, 0
+_IMAGE_UNIT, _SHADOW_UNIT = 0, 1
 
 
 class Painter:
@@ -39,12 +40,14 @@ class Painter:
         self._sky = Program("sky")
         self._flat = Program("picture")
         self._still = ShadowMap(2048 if fine else 1024)
-        self._live = ShadowMap(1024 if fine else 512)
+        self._shadows = ShadowMap(self._still.size)
         self._empty: Any = GL.glGenVertexArrays(1)
-        self._still_shown: tuple[int, ...] = ()
+        self._still_shown: tuple[int, bytes | None] = (-1, None)
         self._sun = _SUN / np.linalg.norm(_SUN)
 
-    def draw(self, stage: Stage, view: View, size: tuple[int, int], target: Any, flats: Sequence[Flat] = ()) -> None:
+    def draw(
+        self, stage: Stage, view: View, size: tuple[int, int], target: Target | Screen, flats: Sequence[Flat] = ()
+    ) -> None:
         """Draw the stage as `view` sees it; `target.begin()` says where, size (width, height) is its pixels'."""
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDisable(GL.GL_BLEND)
@@ -63,42 +66,58 @@ class Painter:
         self._draw_sky()
         self._draw_flats(flats, size)
 
+    def draw_depth(self, stage: Stage, view: View, target: Target) -> None:
+        """Only the depths, to find out what hides what."""
+        GL.glEnable(GL.GL_DEPTH_TEST)
+        target.begin()
+        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+        T_clip_world = view.projection(target.drawn[0] / target.drawn[1]) @ np.linalg.inv(view.pose())
+        self._draw_depths(T_clip_world, stage.moving(), cull=True)
+        identity = np.eye(4)
+        self._draw_depths(T_clip_world, ((batch, identity) for batch in stage.still()), cull=True)
+        GL.glDisable(GL.GL_CULL_FACE)
+
     def _cast(self, stage: Stage, view: View) -> None:
-        """Bring the shadow maps up to date: the still one only when something changed."""
-        middle = np.floor(view.target)
-        shown = (stage.still_version(), *(int(m) for m in middle))
+        """Bring the shadows up to date: those of what stands still only when it changed, then copied below the rest."""
+        moving, middle = stage.moving_bounds(), np.floor(view.target)
+        bounds = stage.still_bounds()
+        if bounds is None:
+            bounds = moving
+        elif moving is not None:
+            bounds = np.array([np.minimum(bounds[0], moving[0]), np.maximum(bounds[1], moving[1])])
+        if bounds is not None:
+            bounds = np.clip(bounds, middle - _FARTHEST_SHADOW, middle + _FARTHEST_SHADOW)
+            bounds = np.array([np.floor(2.0 * bounds[0]) / 2.0, np.ceil(2.0 * bounds[1]) / 2.0])
+        shown = (stage.still_version(), None if bounds is None else bounds.tobytes())
+        identity = np.eye(4)
         if shown != self._still_shown:
             self._still_shown = shown
-            bounds = stage.still_bounds()
-            if bounds is not None:
-                bounds = np.clip(bounds, middle - _FARTHEST_SHADOW, middle + _FARTHEST_SHADOW)
-            identity = np.eye(4)
-            self._cast_into(self._still, bounds, ((batch, identity) for batch in stage.still()))
-        self._cast_into(self._live, stage.moving_bounds(), stage.moving())
+            self._still.begin(sun_view(self._sun, bounds))
+            self._draw_depths(self._still.T_clip_world, ((batch, identity) for batch in stage.still()))
+        copied = self._shadows.take(self._still)
+        self._shadows.begin(self._still.T_clip_world, clear=not copied)
+        if not copied:
+            self._draw_depths(self._shadows.T_clip_world, ((batch, identity) for batch in stage.still()))
+        self._draw_depths(self._shadows.T_clip_world, stage.moving())
+        ShadowMap.end()
 
-    def _cast_into(self, shadow: ShadowMap, bounds: Array | None, batches: Iterable[tuple[Batch, Array]]) -> None:
-        shadow.begin(sun_view(self._sun, bounds))
+    def _draw_depths(self, T_clip_world: Array, batches: Iterable[tuple[Batch, Array]], *, cull: bool = False) -> None:
+        """Draw these into a depth buffer."""
         for batch, T_world_model in batches:
             program = self._program("depth", batch.influences, textured=False)
             program.use()
-            program.matrix("T_clip_world", shadow.T_clip_world)
+            program.matrix("T_clip_world", T_clip_world)
             _place(program, batch, T_world_model)
+            if cull:
+                (GL.glDisable if batch.two_sided else GL.glEnable)(GL.GL_CULL_FACE)
             batch.draw()
-        shadow.end()
 
     def _light(self, T_clip_world: Array, view: View) -> None:
         """Note this picture's camera, lights and shadows, for each program when it is first used."""
         fill = view.pose()[:3, 2] * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, 0.5])
-        T_live_still = self._live.to_texture() @ np.linalg.inv(self._still.to_texture())
-        self._still.bind(_STILL_UNIT)
-        self._live.bind(_LIVE_UNIT)
-        self._matrices = {"T_clip_world": T_clip_world, "T_still_world": self._still.to_texture()}
-        self._vectors = {
-            "sun": self._sun,
-            "fill": fill / np.linalg.norm(fill),
-            "live_scale": np.diagonal(T_live_still)[:3],
-            "live_shift": T_live_still[:3, 3],
-        }
+        self._shadows.bind(_SHADOW_UNIT)
+        self._matrices = {"T_clip_world": T_clip_world, "T_shadows_world": self._shadows.to_texture()}
+        self._vectors = {"sun": self._sun, "fill": fill / np.linalg.norm(fill)}
         self._told.clear()
 
     def _draw_solid(self, batch: Batch, T_world_model: Array) -> None:
@@ -110,7 +129,7 @@ class Painter:
                 program.matrix(name, matrix)
             for name, vector in self._vectors.items():
                 program.vectors(name, vector)
-            for name, unit in (("still_map", _STILL_UNIT), ("live_map", _LIVE_UNIT), ("image", _IMAGE_UNIT)):
+            for name, unit in (("shadows", _SHADOW_UNIT), ("image", _IMAGE_UNIT)):
                 program.number(name, unit)
         _place(program, batch, T_world_model)
         if batch.texture is not None:
@@ -156,7 +175,7 @@ class Painter:
     def delete(self) -> None:
         """Free what it holds."""
         self._still.delete()
-        self._live.delete()
+        self._shadows.delete()
         for program in (*self._programs.values(), self._sky, self._flat):
             program.delete()
 

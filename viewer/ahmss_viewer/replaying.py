@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -23,7 +23,7 @@ __all__ = ["replay"]
 
 _TILE = 320  # the width of a sheet's tile
 _TILES = 24
-_GLANCES = 40  # ticks that are looked at to find the view
+_GLANCES, _MOMENTS = 40, 6  # ticks that are looked at to find the view
 
 Progress = Callable[[int, int], None]
 
@@ -64,7 +64,7 @@ class _Run:
         """The view first, then the pictures."""
         wanted = self._survey()
         self._show(0)
-        self.aim.begin(self.studio.stage, self.studio.painter, wanted)
+        self.aim.begin(self.studio.stage, self.studio.painter, wanted, self._moments())
         start = time.perf_counter()
         if self.options.record is not None or self.options.sheet is not None:
             self._film()
@@ -87,6 +87,14 @@ class _Run:
             there = ", ".join(a.name for a in self.studio.stage.actors.values()) or "none"
             raise CommandError(f'no human "{self.options.follow}" to follow in {self.source.path}; there is: {there}')
         return found
+
+    def _moments(self) -> Iterator[Interest]:
+        """Some moments of the motion, each on the stage when it is given."""
+        for tick in np.unique(np.linspace(0, self.last, _MOMENTS).astype(int)):
+            self._show(int(tick))
+            now = interest(self.studio.stage, self.options.follow)
+            if now is not None:
+                yield now
 
     def _film(self) -> None:
         """Every frame, as film, and every n-th on the sheet."""

@@ -63,18 +63,31 @@ class ShadowMap:
         """T_texture_world: from the world to texture coordinates and depth, each 0..1."""
         return _TO_TEXTURE @ self.T_clip_world
 
-    def begin(self, T_clip_world: Array) -> None:
+    def begin(self, T_clip_world: Array, *, clear: bool = True) -> None:
         """Draw into the map from now on, seen by this view."""
         self.T_clip_world = T_clip_world
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._framebuffer)
         GL.glViewport(0, 0, self.size, self.size)
-        GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
+        if clear:
+            GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
         GL.glEnable(GL.GL_POLYGON_OFFSET_FILL)
         GL.glPolygonOffset(1.5, 2.0)
 
-    def end(self) -> None:
-        """Stop drawing into the map."""
+    @staticmethod
+    def end() -> None:
+        """Stop drawing into maps."""
         GL.glDisable(GL.GL_POLYGON_OFFSET_FILL)
+
+    def take(self, other: ShadowMap) -> bool:
+        """Hold what another map of this size holds, and then draw more; False where this OpenGL can't copy it."""
+        copy: Any = GL.glCopyImageSubData
+        if not copy:
+            return False
+        plane = GL.GL_TEXTURE_2D
+        copy(
+            other.texture, plane, 0, 0, 0, 0, self.texture, plane, 0, 0, 0, 0, self.size, self.size, 1
+        )
+        return True
 
     def bind(self, unit: int) -> None:
         """Let shaders read it from a texture unit."""

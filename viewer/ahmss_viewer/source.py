@@ -29,6 +29,7 @@ class Live:
 
     def __init__(self, address: str = "", *, keys: Path | None = None, request: bool = False) -> None:
         self._client = WorldClient(address, keys=None if keys is None else read_client(keys), follow=not request)
+        self.name = str(self._client.address)
         self._request = request
         self._heard = time.monotonic()
         self._shown = (-1, 0.0)

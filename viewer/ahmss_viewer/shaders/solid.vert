@@ -12,12 +12,12 @@ uniform vec4 links[129];  // the upper three rows of each link's matrix
 #endif
 uniform mat4 T_clip_world;
 uniform mat4 T_world_model;
-uniform mat4 T_still_world;  // to the texture of the sun's shadows
+uniform mat4 T_shadows_world;  // to the texture of the sun's shadows
 uniform vec3 sun;   // towards it
 uniform vec3 fill;  // towards the weak second light
 out vec3 shade;
 out vec3 sunlit;
-out vec3 in_still;
+out vec3 in_shadows;
 #ifdef TEXTURED
 out vec2 at;
 #endif
@@ -45,7 +45,7 @@ void main() {
     shade = albedo * (sky + vec3(0.16, 0.15, 0.14) * max(dot(n, fill), 0.0));
     sunlit = albedo * vec3(0.68, 0.64, 0.56) * max(dot(n, sun), 0.0);
     vec4 lifted = vec4(p + 0.012 * n, 1.0);
-    in_still = (T_still_world * lifted).xyz;
+    in_shadows = (T_shadows_world * lifted).xyz;
 #ifdef TEXTURED
     at = texcoord;
 #endif
