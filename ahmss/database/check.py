@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import msgspec
 
@@ -57,7 +56,7 @@ def _object(workspace: Workspace, name: str, motions: set[str]) -> Iterator[str]
         yield from _affordance(workspace, kind, affordance)
         if affordance.motion is not None:
             motions.add(str(affordance.motion))
-            yield from _said(lambda motion=affordance.motion: _load_clip(workspace, kind, affordance.name, motion))
+            yield from _said(lambda used=affordance: _load_clip(workspace, kind, used))
 
 
 def _affordance(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> Iterator[str]:
@@ -89,10 +88,12 @@ def _filled(place: str, entry: AlgorithmEntry, affordance: Affordance) -> Iterat
         yield f"{place}.{error}"
 
 
-def _load_clip(workspace: Workspace, kind: ObjectKind, name: str, motion: Path) -> None:
+def _load_clip(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> None:
+    motion = affordance.motion
+    assert motion is not None
     if not motion.is_file():
         file = workspace.label(kind.directory / "object.toml")
-        raise DataError(file, f"affordances.{name}.motion", f"no file {workspace.label(motion)}")
+        raise DataError(file, f"affordances.{affordance.name}.motion", f"no file {workspace.label(motion)}")
     clip.load(motion)
 
 

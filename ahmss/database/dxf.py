@@ -27,6 +27,7 @@ __all__ = ["read_dxf"]
 
 _METRES = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 7: 1000.0, 8: 2.54e-8, 9: 2.54e-5, 10: 0.9144, 14: 0.1}
 _DEEPEST = 32
+_HEADER = 1_000_000  # bytes, generously
 _BYBLOCK, _BYLAYER = 0, 256
 _TAKEN = "3DFACE, POLYLINE (polyface or polygon mesh), MESH, and INSERT of blocks of them"
 Color = tuple[int, int, int]
@@ -39,7 +40,6 @@ class _Context:
     matrix: Array
     layer: str | None
     color: Color
-    chain: tuple[str, ...]
 
 
 @dataclass
@@ -60,7 +60,9 @@ def read_dxf(path: Path, label: str, most: int) -> tuple[Soup, float | None]:
     """
     reader = _Reader(_open(path, label), label, most)
     soup = reader.read()
-    return soup, _METRES.get(int(reader.document.header.get("$INSUNITS", 0)))
+    with path.open("rb") as file:
+        says = b"$INSUNITS" in file.read(_HEADER)  # ezdxf answers metres for a file that says nothing
+    return soup, _METRES.get(int(reader.document.header.get("$INSUNITS", 0))) if says else None
 
 
 def _open(path: Path, label: str) -> Any:
@@ -81,9 +83,13 @@ class _Reader:
         self.document, self.label, self.most = document, label, most
         self.out = _Gathered()
         self.seen: Counter[str] = Counter()
+        self.counts: dict[str, int] = {}
 
     def read(self) -> Soup:
-        self._walk(self.document.modelspace(), _Context(np.eye(4), None, (200, 200, 200), ()))
+        faces = self._count(self.document.modelspace(), ())
+        if faces > 2 * self.most:  # the count is rough; what is near the limit is counted as it is gathered
+            raise DataError(self.label, "", f"more than {self.most:,} faces; make the shape simpler")
+        self._walk(self.document.modelspace(), _Context(np.eye(4), None, (200, 200, 200)))
         if not self.out.triangles:
             found = ", ".join(f"{n} {name}" for name, n in sorted(self.seen.items())) or "nothing at all"
             raise DataError(self.label, "", f"no faces: it has {found}; AHMSS takes {_TAKEN}")
@@ -95,6 +101,30 @@ class _Reader:
             tuple(self.out.layers),
         )
 
+    def _count(self, entities: Any, chain: tuple[str, ...]) -> int:
+        """About how many faces there are, each block counted once however often it is inserted."""
+        total = 0
+        for entity in entities:
+            kind = entity.dxftype()
+            if kind == "3DFACE":
+                total += 1
+            elif kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh):
+                total += max(len(entity.vertices) // 2, 1)
+            elif kind == "MESH":
+                total += max(len(entity.faces), 1)
+            elif kind == "INSERT":
+                total += self._count_block(entity.dxf.name, chain) * max(int(entity.mcount), 1)
+        return total
+
+    def _count_block(self, name: str, chain: tuple[str, ...]) -> int:
+        if name in chain or len(chain) >= _DEEPEST:
+            circle = " in ".join(reversed((*chain, name)))
+            raise DataError(self.label, "", f"blocks stand in a circle or deeper than {_DEEPEST}: {circle}")
+        if name not in self.counts:
+            block = self.document.blocks.get(name)
+            self.counts[name] = 0 if block is None else self._count(block, (*chain, name))
+        return self.counts[name]
+
     def _walk(self, entities: Any, context: _Context) -> None:
         for entity in entities:
             kind = entity.dxftype()
@@ -103,7 +133,9 @@ class _Reader:
                 corners = np.array([entity.dxf.vtx0, entity.dxf.vtx1, entity.dxf.vtx2, entity.dxf.vtx3], float)
                 faces = [[0, 1, 2]] if (corners[2] == corners[3]).all() else [[0, 1, 2], [0, 2, 3]]
                 self._add(entity, corners[faces], context)
-            elif kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh):
+            elif kind == "POLYLINE" and entity.is_polygon_mesh:
+                self._add(entity, _grid(entity, self.label), context)
+            elif kind == "POLYLINE" and entity.is_poly_face_mesh:
                 self._add(entity, _triangles(MeshBuilder.from_polyface(entity)), context)
             elif kind == "MESH":
                 self._add(entity, _triangles(MeshBuilder.from_mesh(entity)), context)
@@ -112,19 +144,12 @@ class _Reader:
 
     def _insert(self, entity: Any, context: _Context) -> None:
         name = entity.dxf.name
-        if name in context.chain or len(context.chain) >= _DEEPEST:
-            chain = " in ".join(reversed((*context.chain, name)))
-            raise DataError(self.label, "", f"blocks stand in a circle or deeper than {_DEEPEST}: {chain}")
-        block = self.document.blocks.get(name)
-        if block is None:
+        if not self.counts[name]:
             return
         layer, color = self._style(entity, context)
-        if max(int(entity.dxf.row_count), 1) * max(int(entity.dxf.column_count), 1) > self.most:
-            raise DataError(self.label, "", f"an INSERT repeats its block more than {self.most:,} times")
         for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
             matrix = np.array(list(single.matrix44()), float).reshape(4, 4).T  # ezdxf's are rows
-            inner = _Context(context.matrix @ matrix, layer, color, (*context.chain, name))
-            self._walk(block, inner)
+            self._walk(self.document.blocks.get(name), _Context(context.matrix @ matrix, layer, color))
 
     def _style(self, entity: Any, context: _Context) -> tuple[str, Color]:
         """The layer and colour that an entity has where it stands."""
@@ -180,3 +205,23 @@ def _triangles(mesh: MeshBuilder) -> Array:
     if not fans:
         return np.empty((0, 3, 3))
     return corners[np.array(fans)]
+
+
+def _grid(mesh: Any, label: str) -> Array:
+    """The squares of an M x N polygon mesh as triangles (n, 3, 3), its closed directions closed.
+
+    A smoothed mesh is as CAD shows it: its control points, which have flag 16, do not count.
+    """
+    smooth = bool(mesh.dxf.smooth_type)
+    m, n = (mesh.dxf.m_smooth_density, mesh.dxf.n_smooth_density) if smooth else (mesh.dxf.m_count, mesh.dxf.n_count)
+    corners = np.array([tuple(v.dxf.location) for v in mesh.vertices if not v.dxf.flags & 16], float)
+    if m < 2 or n < 2 or len(corners) != m * n:
+        raise DataError(label, "", f"a polygon mesh of {m} x {n} has {len(corners)} vertices; export it anew")
+    number = np.arange(m * n).reshape(m, n)
+    if mesh.is_m_closed:
+        number = np.concatenate([number, number[:1]])
+    if mesh.is_n_closed:
+        number = np.concatenate([number, number[:, :1]], axis=1)
+    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
+    faces = np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=2)
+    return corners[faces.reshape(-1, 3)]

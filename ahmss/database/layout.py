@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ahmss.database.objectfile import NAME
 from ahmss.database.workspace import Workspace
-from ahmss.errors import CommandError
+from ahmss.errors import AhmssError, CommandError
 
 __all__ = ["init", "new_object"]
 
@@ -89,7 +89,7 @@ def _look(workspace: Workspace) -> str:
     """An action that works at once: to look at it as the television is looked at; nothing where there is no such."""
     try:
         television = workspace.objects.get("television").affordances["look"]
-    except (CommandError, KeyError):
+    except (AhmssError, KeyError):
         return ""
     motion = f'motion = "../television/{television.motion.name}"\n' if television.motion else ""
     return _AFFORDANCE.format(
