@@ -51,7 +51,6 @@ def main() -> None:
 
 @app.command()
 def demo(
-    seconds: Annotated[float, typer.Option(help="Stop the live viewer after so long at most.")] = 600.0,
     out: Annotated[Path, typer.Option(help="Where the recording, the film and the sheet go.")] = Path("out"),
     window: Annotated[
         bool, typer.Option("--window/--no-window", help="Open a window where there is a display.")
@@ -61,7 +60,8 @@ def demo(
     """Play examples/table.txt with every kind of process, and make a film of it. Example: ahmss demo"""
     from ahmss.main.demo import run_demo
 
-    run_demo(out, workspace, window=window, seconds=seconds, say=typer.echo)
+    if run_demo(out, workspace, window=window, say=typer.echo):
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -74,7 +74,8 @@ def up(
     """Server, viewer and main on this machine, with the console. Example: ahmss up --human aiko --body aiko"""
     from ahmss.main.up import run_up
 
-    run_up(human, body, scene, workspace)
+    if run_up(human, body, scene, workspace):
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -100,9 +101,7 @@ def server(
 @app.command("main")
 def main_process(
     human: Annotated[str, typer.Option(help="The human's name in the world.")] = "ken",
-    body: Annotated[
-        str, typer.Option(help="Which body of humandb; left out: the human's own name, or the first.")
-    ] = "",
+    body: Annotated[str, typer.Option(help="Which body of humandb; left out: the first.")] = "",
     at: Annotated[tuple[float, float], typer.Option(metavar="X Y", help="Where it stands, metres.")] = (0.0, 0.0),
     facing: Annotated[float, typer.Option(help="Its heading, degrees.")] = 0.0,
     server: Server = "",
@@ -133,7 +132,7 @@ def play(
     keys: Keys = None,
     workspace: Workspace = None,
 ) -> None:
-    """Play a script on a server of its own, or a recording into a server. Example: ahmss play examples/table.txt --fast"""
+    """Play a script on a server of its own, or a recording. Example: ahmss play examples/table.txt --fast"""
     from ahmss.main.play import PlaySetup, play_script
     from ahmss.main.replay import is_recording, play_recording
 
@@ -167,13 +166,16 @@ def view(
     as_json: Json = False,
 ) -> None:
     """Watch a server or a recording. Example: ahmss view run.rec --record film.mp4 --sheet sheet.png"""
+    from ahmss_viewer.app import ViewOptions
+
     from ahmss.main.watching import watch
 
-    watch(
-        as_json=as_json, address=server, keys=keys, replay=replay, headless=headless, record=record,
-        snapshot=snapshot, sheet=sheet, every=every, size=_size(size), request=request, camera=camera, follow=follow,
-        at=at, seconds=seconds, names=names,
+    options = ViewOptions(
+        address=server, keys=keys, replay=replay, headless=headless, record=record, snapshot=snapshot, sheet=sheet,
+        every=every, size=_size(size), request=request, camera=camera, follow=follow, at=at, seconds=seconds,
+        names=names,
     )  # fmt: skip
+    watch(options, as_json=as_json)
 
 
 @app.command("list")

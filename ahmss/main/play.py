@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -60,7 +60,7 @@ class PlayReport:
 
 
 @contextmanager
-def running_server(setup: PlaySetup, names: tuple[str, ...]) -> Iterator[str]:
+def running_server(setup: PlaySetup, names: tuple[str, ...]) -> Generator[str]:
     """The address of the server to play on: the one that was named, or one of its own for as long as this lasts."""
     if setup.server:
         if setup.record is not None:

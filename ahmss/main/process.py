@@ -155,14 +155,22 @@ class MainProcess:
         self._client.close()
 
     def _guarded_frame(self) -> None:
-        """A frame whose errors become lines; the loop goes on."""
+        """A frame whose errors become lines; the loop goes on. In lockstep it can't: to go on would be another run."""
         try:
             self.frame()
         except AhmssError as error:
-            self.trouble(str(error))
-            if self.setup.fast:  # lockstep has lost its others: to go on would be another run
+            if self.setup.fast:
                 raise
-            time.sleep(self.pace.period)
+            self._survive(str(error))
+        except Exception as error:
+            if self.setup.fast:
+                raise
+            self._survive(f"a fault of the program itself: {type(error).__name__}: {error}")
+
+    def _survive(self, reason: str) -> None:
+        if reason not in self.report.messages[-1:]:
+            self.trouble(reason)
+        time.sleep(self.pace.period)
 
     def _listen(self) -> None:
         """What was asked from other threads, and what the server refused."""

@@ -64,10 +64,7 @@ def _carry_out(setup: Setup, steps: deque[Step]) -> Report:
     def say(text: str) -> None:
         print(f"{setup.human}: {text}" if several else text, file=sys.stderr, flush=True)
 
-    def interrupt(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGTERM, interrupt)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     main = MainProcess(setup, say)
     try:
         return main.play(steps)

@@ -1,0 +1,130 @@
+"""`ahmss demo`: the table scenario with every kind of process, and a film of it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError, DependencyError
+from ahmss.main.play import PlayReport, PlaySetup, play_script
+from ahmss.world.process import ServerProcess
+
+__all__ = ["has_display", "run_demo"]
+
+_SCRIPT = Path("examples") / "table.txt"
+_LIVE_SIZE = "640x480"
+_FILM_SIZE = (1280, 720)
+_VIEWER_STARTS_S = 3.0
+_VIEWER_ENDS_S = 20.0
+
+
+def has_display() -> bool:
+    """Whether a window can be opened here."""
+    return sys.platform == "darwin" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def run_demo(out: Path, workspace: Path | None, *, window: bool, say: Callable[[str], None]) -> int:
+    """Run the demo; returns how many things went wrong.
+
+    Raises:
+        AhmssError: a process could not be started, or a file not be written.
+    """
+    root = Workspace.find(workspace).root
+    out.mkdir(parents=True, exist_ok=True)
+    recording = out / "table.rec"
+    say(f"playing {_SCRIPT} in real time: server, main, algorithms and a viewer without a window")
+    report, live = _play(root / _SCRIPT, root, recording)
+    say(str(report))
+    say(_live_line(live))
+    failures = report.failures
+    film, sheet = out / "table.mp4", out / "table.png"
+    say("drawing every frame of the recording")
+    try:
+        _draw(recording, film, sheet)
+    except DependencyError as error:
+        say(f"no film: {error}")
+        failures += 1
+    for path in (recording, film, sheet):
+        if path.is_file():
+            say(f"{path}  ({path.stat().st_size / 1e6:.1f} MB)")
+    say(_measured(recording, root))
+    if window and has_display():
+        say("close the window to end")
+        subprocess.run([sys.executable, "-m", "ahmss", "view", str(recording)], check=False)
+    return failures
+
+
+def _play(script: Path, root: Path, recording: Path) -> tuple[PlayReport, dict[str, Any]]:
+    """Play the script in real time, a viewer without a window watching; both reports."""
+    with ServerProcess(recording=recording) as server:
+        viewer = _watch(server.address)
+        try:
+            time.sleep(_VIEWER_STARTS_S)  # the picture is there before the human moves
+            report = play_script(script, PlaySetup(server=server.address, workspace=root))
+        finally:
+            live = _end(viewer)
+    return report, live
+
+
+def _watch(address: str) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "ahmss", "view", "--server", address, "--headless", "--json", "--size", _LIVE_SIZE]
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def _end(viewer: subprocess.Popen[bytes]) -> dict[str, Any]:
+    """Stop the viewer; what it told, or why it did not."""
+    viewer.send_signal(signal.SIGINT)
+    try:
+        output, errors = viewer.communicate(timeout=_VIEWER_ENDS_S)
+    except subprocess.TimeoutExpired:
+        viewer.kill()
+        output, errors = viewer.communicate()
+    try:
+        return json.loads(output.splitlines()[-1])
+    except (ValueError, IndexError):
+        said = errors.decode(errors="replace").strip().splitlines()
+        return {"error": said[-1] if said else f"it ended with exit code {viewer.returncode}"}
+
+
+def _live_line(live: dict[str, Any]) -> str:
+    if "error" in live:
+        return f"the live viewer: {live['error']}"
+    age = live.get("age_ms") or {}
+    age_text = f", the world shown {age['p50']:.0f} ms old" if age else ""
+    return (
+        f"the live viewer: {live['pictures']} pictures of {live['size']}, {live['frames_per_s']:.1f} frames/s{age_text}"
+    )
+
+
+def _draw(recording: Path, film: Path, sheet: Path) -> None:
+    """Draw the film and the sheet; in a process of its own, for OpenGL is bound once."""
+    size = f"{_FILM_SIZE[0]}x{_FILM_SIZE[1]}"
+    command = [sys.executable, "-m", "ahmss", "view", str(recording), "--size", size]
+    command += ["--record", str(film), "--sheet", str(sheet), "--json"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, check=False)
+    if done.returncode:
+        try:
+            reason = json.loads(done.stdout.splitlines()[-1])["error"]
+        except (ValueError, IndexError, KeyError):
+            reason = "see above"
+        raise DependencyError(reason)
+
+
+def _measured(recording: Path, root: Path) -> str:
+    """How smooth the recorded motion is."""
+    from ahmss.main.judging import judge
+
+    try:
+        return "\n".join(judge(recording))
+    except AhmssError as error:
+        return f"not measured: {error}"
+    finally:
+        del root

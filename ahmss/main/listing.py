@@ -1,0 +1,123 @@
+"""`ahmss list`, `ahmss check` and `ahmss motion quality`: what there is, and what is wrong with it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from rich.console import Console
+from rich.table import Table
+
+from ahmss.database.check import check
+from ahmss.database.records import AlgorithmEntry, ObjectKind
+from ahmss.database.workspace import Workspace
+from ahmss.errors import CommandError
+
+__all__ = ["check_workspace", "clip_quality", "list_workspace", "show_table"]
+
+Rows = list[dict[str, Any]]
+
+
+def list_workspace(what: str, directory: Path | None, *, as_json: bool) -> None:
+    """List kinds of objects, humans and algorithms, or what one kind affords."""
+    workspace = Workspace.find(directory)
+    readers = {"objects": _objects, "humans": _humans, "algorithms": _algorithms}
+    if what and what not in readers:
+        if what not in workspace.objects.names():
+            names = ", ".join(("objects", "humans", "algorithms", *workspace.objects.names()))
+            raise CommandError(f'nothing called "{what}" to list; there is: {names}')
+        tables = {what: _actions(workspace.objects.get(what))}
+    else:
+        tables = {name: read(workspace) for name, read in readers.items() if what in ("", name)}
+    if as_json:
+        print(json.dumps(tables))
+        return
+    for title, rows in tables.items():
+        show_table(title, rows)
+
+
+def check_workspace(directory: Path | None, *, as_json: bool) -> int:
+    """Read everything through; returns the number of problems."""
+    workspace = Workspace.find(directory)
+    report = check(workspace)
+    if as_json:
+        print(msgspec.json.encode(report).decode())
+        return len(report.problems)
+    for problem in report.problems:
+        print(problem)
+    print(
+        f"{report.objects} objects, {report.humans} humans, {report.algorithms} algorithms, {report.motions} motions: "
+        + (f"{len(report.problems)} problems" if report.problems else "nothing is wrong")
+    )
+    return len(report.problems)
+
+
+def clip_quality(path: Path, *, as_json: bool) -> None:
+    """Measure a clip as it is, on usual proportions."""
+    from ahmss.body.skeleton import Skeleton
+    from ahmss.motion.clip import load
+    from ahmss.motion.quality import measure
+
+    clip = load(path)
+    if clip.frames < 3:
+        raise CommandError(f"{path}: {clip.frames} frames are too few to measure; 3 at least")
+    quality = measure(clip.rotations, clip.root, clip.rate, Skeleton.of(), clip.contacts)
+    plain = dataclasses.asdict(quality)
+    if as_json:
+        print(json.dumps(plain))
+        return
+    for part, values in plain.items():
+        text = ", ".join(
+            f"{name} {value:.3g}" if isinstance(value, float) else f"{name} {value}" for name, value in values.items()
+        )
+        print(f"{part}: {text}")
+
+
+def show_table(title: str, rows: Rows) -> None:
+    """A table for a person; plain lines where the output is no terminal."""
+    if not rows:
+        print(f"{title}: none")
+        return
+    if not sys.stdout.isatty():
+        for row in rows:
+            print("\t".join(str(value) for value in row.values()))
+        return
+    table = Table(title=title, title_justify="left")
+    for name in rows[0]:
+        table.add_column(name)
+    for row in rows:
+        table.add_row(*(str(value) for value in row.values()))
+    Console().print(table)
+
+
+def _objects(workspace: Workspace) -> Rows:
+    return [{"name": entry.name, "sentence": entry.error or entry.sentence} for entry in workspace.objects.list()]
+
+
+def _humans(workspace: Workspace) -> Rows:
+    return [{"name": entry.name, "sentence": entry.error or entry.sentence} for entry in workspace.humans.list()]
+
+
+def _algorithms(workspace: Workspace) -> Rows:
+    rows: Rows = []
+    for entry in workspace.algorithms.list():
+        if isinstance(entry, AlgorithmEntry):
+            rows.append({"name": entry.name, "kind": entry.kind, "sentence": entry.sentence})
+        else:
+            rows.append({"name": "", "kind": "", "sentence": str(entry)})
+    return rows
+
+
+def _actions(kind: ObjectKind) -> Rows:
+    return [
+        {
+            "action": action.name, "sentence": action.sentence, "asks": ", ".join(action.asks),
+            "frames": action.frames,
+            "algorithms": " + ".join(filter(None, (action.human_algorithm, action.object_algorithm))),
+        }
+        for action in kind.affordances.values()
+    ]  # fmt: skip
