@@ -112,7 +112,7 @@ def watch(address: str, seconds: float) -> Array:
                 continue
             sequence = world.sequence
             now = np.full(len(world.human_ids), time.monotonic())
-            seen.append(np.stack([world.human_ids, world.human_frames, now], axis=1))
+            seen.append(np.stack([world.human_ids.astype(float), world.human_frames.astype(float), now], axis=1))
     return np.concatenate(seen)
 
 
@@ -142,7 +142,8 @@ def measure_latency(humans: int = 100, seconds: float = 8.0) -> dict[str, float]
                 raise RuntimeError("the load or the viewer of the bench failed")
         sent, seen = (np.load(file) for file in files)
     delays = _delays(sent, seen) * 1e3
-    return {"p50": float(np.percentile(delays, 50)), "p99": float(np.percentile(delays, 99)), "worst": float(delays.max())}
+    p50, p99, worst = np.percentile(delays, (50, 99, 100)).tolist()
+    return {"p50": p50, "p99": p99, "worst": worst}
 
 
 def _load(count: int, seconds: float) -> dict[str, float]:

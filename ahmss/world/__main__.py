@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import resource
 import signal
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ __all__ = ["main"]
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Serve until SIGTERM, SIGINT, or the end of standard input where `--with-parent` is given."""
+    """Serve until SIGTERM, SIGINT."""
     parser = argparse.ArgumentParser(prog="python -m ahmss.world", description=__doc__)
     parser.add_argument("--address", default="", help="HOST:PORT; port 0 lets the system choose")
     parser.add_argument("--rate", type=float, default=60.0, help="ticks a second")
@@ -39,6 +40,8 @@ def main(arguments: list[str] | None = None) -> int:
     except AhmssError as error:
         print(error, file=sys.stderr)
         return 1
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))  # a connection is a file; the usual 1024 are few
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: server.stop())
     print(json.dumps({"address": str(server.address)}), flush=True)

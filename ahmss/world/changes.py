@@ -25,3 +25,8 @@ class Changes:
     humans_put: dict[str, None] = field(default_factory=dict[str, None])
     humans_gone: list[int] = field(default_factory=list[int])
     is_structural: bool = False
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether nothing changed but poses."""
+        return not (self.put or self.gone or self.humans_put or self.humans_gone)

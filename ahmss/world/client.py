@@ -218,6 +218,10 @@ class WorldClient:
         """The server's present. Raises Unreachable where none answers."""
         return self._ask(schema.Hello(), schema.Welcome)
 
+    def stats(self) -> schema.Stats:
+        """How busy the server is."""
+        return self._ask(schema.GetStats(), schema.Stats)
+
     def refresh(self) -> World:
         """Ask for the scene and the present snapshot (a viewer with `--request`; a main after `join`)."""
         self._see(self._ask(schema.GetSnapshot(), Snapshot))

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.errors import ProtocolError, WorldError
-from ahmss.world.frame import FRAME_VERSION, HEADER, POSE_BYTES, ROW_BYTES, ROW_WIDTH, faulty
+from ahmss.world.frame import (
+    FRAME_VERSION,
+    HEADER,
+    POSE_BYTES,
+    ROW_BYTES,
+    ROW_WIDTH,
+    faulty,
+    is_faulty_pose,
+    is_faulty_row,
+)
 from ahmss.world.schema import POSE_WIDTH, Refused
 from ahmss.world.space import Space
 from ahmss.world.things import Thing
@@ -64,7 +72,7 @@ class Intake:
         if frame <= person.frame:
             return
         if count:
-            things = self._held(person.record.name, data)
+            things = self._held(person.record.name, frame, data)
             self._moving.append((len(self._staged), things, data[_BODY:]))
         person.frame = frame
         start = len(self._staged) * self._stride
@@ -76,45 +84,53 @@ class Intake:
         count = len(self._staged)
         if not count:
             return []
-        poses = self._poses[:count]
-        bad: NDArray[np.bool_] = faulty(poses[:, :3], poses[:, 3:POSE_WIDTH].reshape(count, -1, 4))
-        poses[:, POSE_WIDTH] = [frame for _, _, frame in self._staged]
-        if self._moving:
-            self._check_objects(bad)
-        table = self._space.people.poses
-        rows = table.rows
-        if bad.any():
-            good = np.flatnonzero(~bad)
-            table.data[[rows[self._staged[i][1]] for i in good]] = poses[good]
-        else:
-            table.data[[rows[number] for _, number, _ in self._staged]] = poses
+        bad = self._write_one() if count == 1 else self._write_all(count)
         for at, things, data in self._moving:
-            if not bad[at]:
+            if at not in bad:
                 moved = np.frombuffer(data, "<f8").reshape(-1, ROW_WIDTH)
                 self._space.things.place(self._staged[at][0], things, moved[:, 1:])
-        refusals = [self._refuse(*self._staged[i]) for i in np.flatnonzero(bad)]
-        self.frames.update((number, owner) for owner, number, _ in self._staged)
+        refusals = [self._refuse(*self._staged[at]) for at in bad]
+        for owner, number, _ in self._staged:
+            self.frames[number] = owner
         self._staged.clear()
         self._moving.clear()
         return refusals
 
-    def _held(self, human: str, data: bytes) -> list[Thing]:
-        """The objects that a frame moves; all must be held by its human."""
-        moved = np.frombuffer(data, "<f8", offset=_BODY)[::ROW_WIDTH].tolist()
-        known = self._space.things.by_id
-        things = [known.get(number) for number in moved]
-        for number, thing in zip(moved, things, strict=True):
-            if thing is None:
-                raise WorldError(f"{human} moves object {number:g}, which is not in the world")
-            if thing.holder != human:
-                raise WorldError(f"{human} moves {thing.name}, which it does not hold; claim it first")
-        return [thing for thing in things if thing is not None]
+    def _write_one(self) -> list[int]:
+        """Write the only staged pose, or say that it is bad."""
+        pose = self._poses[0]
+        if is_faulty_pose(pose[:POSE_WIDTH]):
+            return [0]
+        _, number, frame = self._staged[0]
+        pose[POSE_WIDTH] = frame
+        self._space.people.poses[number][:] = pose
+        return []
 
-    def _check_objects(self, bad: NDArray[np.bool_]) -> None:
-        """An update with one bad object is bad as a whole."""
-        for at, _, data in self._moving:
-            moved = np.frombuffer(data, "<f8").reshape(-1, ROW_WIDTH)
-            bad[at] |= faulty(moved[:, 1:4], moved[:, None, 4:]).any()
+    def _write_all(self, count: int) -> list[int]:
+        """Write the staged poses, the newest of a human last; which of them are bad."""
+        poses = self._poses[:count]
+        bad = faulty(poses[:, :3], poses[:, 3:POSE_WIDTH].reshape(count, -1, 4))
+        poses[:, POSE_WIDTH] = [frame for _, _, frame in self._staged]
+        table = self._space.people.poses
+        rows = np.array([table.rows[number] for _, number, _ in self._staged])
+        good = np.flatnonzero(~bad)
+        table.data[rows[good]] = poses[good]
+        return [] if len(good) == count else np.flatnonzero(bad).tolist()
+
+    def _held(self, human: str, frame: int, data: bytes) -> list[Thing]:
+        """The objects that a frame moves: all must be held by its human and have poses."""
+        known = self._space.things.by_id
+        things: list[Thing] = []
+        for row in np.frombuffer(data, "<f8", offset=_BODY).reshape(-1, ROW_WIDTH).tolist():
+            thing = known.get(row[0])
+            if thing is None:
+                raise WorldError(f"frame {frame} of {human} was refused whole: no object {row[0]:g} is in the world")
+            if thing.holder != human:
+                raise WorldError(f"frame {frame} of {human} was refused whole: it does not hold {thing.name}")
+            if is_faulty_row(row):
+                raise WorldError(f"frame {frame} of {human} was refused whole: {thing.name} has no place or rotation")
+            things.append(thing)
+        return things
 
     @staticmethod
     def _refuse(owner: bytes, number: int, frame: int) -> tuple[bytes, Refused]:

@@ -54,6 +54,7 @@ class Writer:
         self._asset = asset
         self._written: set[str] = set()
         self._revision = -1
+        self._number = 0  # scenes are counted anew: who else asked the server for one must not be seen in the file
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("wb", buffering=0)
@@ -64,9 +65,10 @@ class Writer:
     def write(self, snapshot: Snapshot, scene: Callable[[], Scene]) -> None:
         """Add one tick; `scene` is asked for where the snapshot's revision is a new one."""
         if snapshot.revision != self._revision:
-            self._write_scene(scene())
             self._revision = snapshot.revision
-        self._record(_SNAPSHOT, _encode(snapshot))
+            self._number += 1
+            self._write_scene(msgspec.structs.replace(scene(), revision=self._number))
+        self._record(_SNAPSHOT, _encode(msgspec.structs.replace(snapshot, revision=self._number)))
 
     def flush(self) -> None:
         """Give what is buffered to the system."""

@@ -132,6 +132,9 @@ class Server:
         if self._doorkeeper is not None:
             self._doorkeeper.close()
         self._context.term()
+        if self.address.path:
+            for endpoint in (self.address.endpoint(), self.address.endpoint(1)):
+                Path(endpoint.removeprefix("ipc://")).unlink(missing_ok=True)
 
     # The loops
 
@@ -169,14 +172,14 @@ class Server:
         """Lockstep: the mains' frames are the clock."""
         while not self._stopping:
             if not self._drain(math.inf):
-                poller.poll(50)
+                poller.poll(15)
             now = time.monotonic()
             while self._advance(now):
                 pass
             self._check_leases(now)
             if now - self._shown_at >= _SHOW_S:
                 self._shown_at = now
-                self._publisher.send(_at(self._latest, time.time()), now, self._tick_s)
+                self._show(now)
 
     def _drain(self, until: float) -> bool:
         """Take in what has come, but not beyond a time or for ever; whether there was anything."""
@@ -390,25 +393,36 @@ class Server:
         for owner in self._barrier.owners:
             self._reply(owner, self.space.ticked(self.tick, owner, changes, self._intake.frames))
         self._intake.frames.clear()
-        if self._publisher.is_recording or now - self._shown_at >= _SHOW_S:
+        if self._publisher.is_recording:
             self._latest = self.space.snapshot(self.tick, self.tick / self.settings.rate)
             self._publisher.write(self._latest, now)
         if self._journal is not None:
             self._journal.write(changes, self.space.things)
+
+    def _show(self, now: float) -> None:
+        """Lockstep: let viewers see the last tick, 60 times a second of the clock on the wall."""
+        if self._latest.tick != self.tick and not self.space.changes.is_structural:
+            self._latest = self.space.snapshot(self.tick, 0.0)
+        self._publisher.send(_at(self._latest, time.time()), now, self._tick_s)
 
     def _check_leases(self, now: float) -> None:
         """Mains that are gone free what they hold; humans that nobody came back to leave."""
         if now < self._next_leases:
             return
         self._next_leases = now + _LEASES_S
+        gone: list[str] = []
         for identity in self._sessions.lapsed(now, self._is_reachable):
-            for name in self.space.abandon(identity, now):
-                self._log(f"the main of {name} is gone; what it held is free")
+            names = self.space.abandon(identity, now)
+            gone += names
+            for name in names:
                 self._meetings.leave(self.space.people.by_name[name].group, name)
             self.space.assets.forget(identity)
             self._leave_barrier(identity, now)
-        for name in self.space.expire(now, self.settings.grace_s):
-            self._log(f"{name} has left the world: nobody came back to it")
+        left = self.space.expire(now, self.settings.grace_s)
+        if gone:
+            self._log(f"{_few(gone)}: the main is gone; what it held is free")
+        if left:
+            self._log(f"{_few(left)}: nobody came back, so the human has left the world")
         for whom, number in self._meetings.complete():
             self._reply(whom, schema.Done(number))
 
@@ -434,10 +448,16 @@ class Server:
         self._pub = self._socket(zmq.PUB)
         self._pub.setsockopt(zmq.CONFLATE, 1)
         self._pub.setsockopt(zmq.MAXMSGSIZE, 4096)
-        wanted = settings.address.port
-        port = self._bind(self._router, wanted)
-        self._snapshot_port = self._bind(self._pub, port + 1 if wanted else 0)
-        self.address = Address(settings.address.host, port)
+        address = settings.address
+        if address.path:
+            self._bind(self._router, address.endpoint())
+            self._bind(self._pub, address.endpoint(1))
+            self.address, self._snapshot_port = address, 1
+            return
+        anywhere = f"tcp://{address.host}:*"
+        port = self._bind(self._router, address.endpoint() if address.port else anywhere)
+        self._snapshot_port = self._bind(self._pub, address.endpoint(port + 1) if address.port else anywhere)
+        self.address = Address(address.host, port)
 
     def _socket(self, kind: int) -> zmq.Socket[bytes]:
         socket = self._context.socket(kind)
@@ -449,9 +469,8 @@ class Server:
             self.settings.keys.secure(socket)
         return socket
 
-    def _bind(self, socket: zmq.Socket[bytes], port: int) -> int:
-        """Bind; the port that it got."""
-        endpoint = self.settings.address.endpoint(port or None) if port else f"tcp://{self.settings.address.host}:*"
+    def _bind(self, socket: zmq.Socket[bytes], endpoint: str) -> int:
+        """Bind; the port that it got, of a TCP endpoint."""
         try:
             socket.bind(endpoint)
         except zmq.ZMQError as error:
@@ -459,7 +478,8 @@ class Server:
             raise WorldError(
                 f"the server can't listen on {endpoint}: {error.strerror}; stop what is there or name another port"
             ) from error
-        return int(str(socket.getsockopt_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])
+        port = str(socket.getsockopt_string(zmq.LAST_ENDPOINT)).rpartition(":")[2]
+        return int(port) if port.isdigit() else 0
 
     def _close_failed(self) -> None:
         """Close what was opened before the start failed."""
@@ -501,6 +521,11 @@ class Server:
 def _numbered(reply: Reply, number: int) -> Reply:
     """The reply to that request."""
     return msgspec.structs.replace(reply, request=number)
+
+
+def _few(names: list[str]) -> str:
+    """At most three names in a line of the log."""
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} others" if len(names) > 3 else "")
 
 
 def _at(snapshot: schema.Snapshot, now: float) -> schema.Snapshot:

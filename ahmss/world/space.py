@@ -132,6 +132,8 @@ class Space:
         """What changed since the last call."""
         changes = self.changes
         self._note(changes)
+        if changes.is_quiet and not changes.moved:
+            return changes
         self.changes = Changes()
         self.people.changes = self.things.changes = self.changes
         return changes
@@ -161,18 +163,21 @@ class Space:
         """The world now; call `settle` before."""
         self._note(self.changes)
         people, things = self.people.poses, self.things
-        moved = np.fromiter(self._moved, np.uint32, len(self._moved))
-        rows = [things.poses.rows[number] for number in self._moved]
+        used = people.used
+        ids = places = b""
+        if self._moved:
+            ids = np.fromiter(self._moved, "<u4", len(self._moved)).tobytes()
+            places = things.poses.data[[things.poses.rows[number] for number in self._moved]].tobytes()
         return Snapshot(
-            tick, time, self.revision, people.ids.astype("<u4").tobytes(),
-            people.used[:, POSE_WIDTH].astype("<u4").tobytes(),
-            people.used[:, :POSE_WIDTH].astype("<f4").tobytes(), moved.astype("<u4").tobytes(),
-            things.poses.data[rows].astype("<f8").tobytes() if rows else b"",
+            tick, time, self.revision, people.ids.tobytes(), used[:, POSE_WIDTH].astype("<u4").tobytes(),
+            used[:, :POSE_WIDTH].astype("<f4").tobytes(), ids, places,
             [_change(things.by_name[name]) for name in self._changed],
         )  # fmt: skip
 
     def ticked(self, tick: int, receiver: bytes, changes: Changes, frames: dict[int, bytes]) -> Ticked:
         """What others than the receiver changed; `frames` are the humans that moved and their owners."""
+        if changes.is_quiet and all(owner == receiver for owner in (*frames.values(), *changes.moved.values())):
+            return Ticked(tick, self.revision)
         people, things = self.people, self.things
         humans = [number for number, owner in frames.items() if owner != receiver]
         moved = [number for number, owner in changes.moved.items() if owner != receiver]
@@ -196,7 +201,8 @@ class Space:
         for name in changes.put:
             if name in self.things.by_name:
                 self._changed[name] = None
-        self._moved.update(dict.fromkeys(changes.moved))
+        if changes.moved:
+            self._moved.update(dict.fromkeys(changes.moved))
 
 
 def _change(thing: Thing) -> ObjectChange:

@@ -145,13 +145,14 @@ class World:
         """States and holders: back to the scene's where the last snapshot had changed them, then this one's."""
         for name in self._changed:
             self.objects[name] = self._scene[self._rows[name]]
-        for change in snapshot.changes:
+        changes = [change for change in snapshot.changes if change.id in self._names]
+        for change in changes:
             name = self._names[change.id]
             self.objects[name] = msgspec.structs.replace(
                 self._scene[self._rows[name]], states=change.states, holder=change.holder, hand=change.hand,
                 attached=change.attached, moved=change.moved,
             )  # fmt: skip
-        self._changed = tuple(self._names[change.id] for change in snapshot.changes)
+        self._changed = tuple(self._names[change.id] for change in changes)
 
     def _merge_humans(self, ticked: Ticked) -> None:
         numbers = np.frombuffer(ticked.human_ids, "<u4")
