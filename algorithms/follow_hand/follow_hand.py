@@ -26,7 +26,7 @@ def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:
                 continue
             in_palm = grip.inverse().then(task.object.frame)
         followed = grip.then(in_palm)
-        yield task.pose(followed.place, normalize(followed.rotation), _told(task, side))
+        yield task.pose(followed.place, normalize(followed.rotation))
 
 
 def _caught(task: ObjectTask, grip: Transform, k: int) -> bool:
@@ -49,13 +49,6 @@ def _from_wall(task: ObjectTask, grip: Transform) -> float:
     if diameter > 0.0:
         apart = apart - (apart @ along) * along
     return float(np.linalg.norm(apart)) - 0.5 * diameter
-
-
-def _told(task: ObjectTask, side: str) -> dict[str, str]:
-    """The object's state `held`, for one that has it."""
-    if "held" not in task.object.states:
-        return {}
-    return {"held": side if task.object.states["held"] in ("right", "left") else "yes"}
 
 
 if __name__ == "__main__":

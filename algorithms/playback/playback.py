@@ -6,13 +6,13 @@ The clip's hands and gaze go to their targets in the world; feet that bear weigh
 from __future__ import annotations
 
 import numpy as np
-from ahmss.motion.resample import resample
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.staging import Staged, face, stage
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.motion.resample import resample
 
 BEARING = 0.5  # contacts above this bear weight
 

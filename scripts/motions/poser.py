@@ -13,7 +13,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_HAND, RIGHT_HAND, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
 __all__ = ["STANDING", "Arm", "Fingers", "Posture", "centre_of_mass", "foot_frames", "pose"]
@@ -25,7 +25,11 @@ _SIDES = (("right", 1.0), ("left", -1.0))  # side and the sign of a turn about t
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm by its joints, degrees: upper arm forward, aside and turned in; elbow; forearm turned in; wrist."""
+    """An arm by its joints, degrees: upper arm forward, aside and turned in; elbow; forearm turned in; wrist.
+
+    `swivel`, for a hand that has a grip to meet: where the elbow is, turned about the line from shoulder to wrist from
+    hanging down, to the body's middle where the hand is ahead.
+    """
 
     forward: float = 3.0
     aside: float = 8.0
@@ -34,6 +38,7 @@ class Arm:
     pronate: float = 12.0
     wrist_back: float = 0.0
     wrist_up: float = 0.0
+    swivel: float | None = None
 
 
 @dataclass(frozen=True)
@@ -142,7 +147,28 @@ def _solved(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture)
     for row, side in ((RIGHT_HAND, "right"), (LEFT_HAND, "left")):
         if side in posture.grips:
             targets[row, :7], targets[row, 7] = posture.grips[side], 1.0
-    return solve(skeleton, rotations, root, targets)
+    solved = solve(skeleton, rotations, root, targets)
+    for side, sign in _SIDES:
+        arm: Arm = getattr(posture, f"{side}_arm")
+        if side in posture.grips and arm.swivel is not None:
+            _swivel(skeleton, solved, root, side, sign * np.radians(arm.swivel))
+            solved = solve(skeleton, solved, root, targets)
+    return solved
+
+
+def _swivel(skeleton: Skeleton, rotations: Array, root: Array, side: str, angle: float) -> None:
+    """Turn an arm about the line from shoulder to wrist until the elbow is at an angle from hanging down."""
+    shoulder, elbow, wrist = (INDEX[f"{side}_{link}"] for link in ("upper_arm", "lower_arm", "hand"))
+    places, world = forward(rotations, root, skeleton.offsets)
+    line = places[wrist] - places[shoulder]
+    line = line / np.linalg.norm(line)
+    down = np.array([0.0, 0.0, -1.0]) + line[2] * line
+    across = np.cross(line, down)
+    bone = places[elbow] - places[shoulder]
+    turn = from_axis_angle(line, angle - float(np.arctan2(bone @ across, bone @ down)))
+    q_spine = world[INDEX["spine"]]
+    local = multiply(conjugate(q_spine), multiply(turn, q_spine))
+    rotations[shoulder] = multiply(local, rotations[shoulder])
 
 
 def foot_frames(skeleton: Skeleton) -> Array:

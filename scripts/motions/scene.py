@@ -51,5 +51,5 @@ class Scene:
             cup=site("room/cup", "wall"), rim=site("room/cup", "rim"), knob=site(door, "knob"), hinge=frame(door),
             screen=site("room/television", "screen"),
             cup_radius=0.5 * float(kinds["room/cup"].properties["diameter"]),
-            lever_radius=float(kinds[door].properties.get("lever_radius", 0.011)),
+            lever_radius=float(0.5 * kinds[door].properties["knob_diameter"]),
         )  # fmt: skip

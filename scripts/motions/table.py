@@ -14,7 +14,6 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip, ClipHeader
-
 from motions.poser import STANDING, Arm, Fingers, Posture, pose
 from motions.scene import Scene
 
@@ -75,8 +74,8 @@ def lift(skeleton: Skeleton, scene: Scene) -> Clip:
 def drink(skeleton: Skeleton, scene: Scene) -> Clip:
     """To the mouth, the cup tilted while the head goes back a little, and down again in front of the chest."""
     keys: list[Key] = []
-    for time, tilt, nod, elbow in DRINKING:
-        posture = replace(EASY, nod=nod, right_arm=elbow)
+    for time, tilt, lean, nod, arm in DRINKING:
+        posture = replace(EASY, lean=lean, nod=nod, right_arm=arm)
         at_mouth = mouth_cup(skeleton, scene, tilt)
         keys.append(Key(time, _drinking(skeleton, scene, posture, at_mouth), at_mouth.row()))
     down = Transform(np.array([-0.20, 0.02, -0.33]), _upright_in_face(0.0))
@@ -94,23 +93,25 @@ def put(skeleton: Skeleton, scene: Scene) -> Clip:
 
 # --- postures ---------------------------------------------------------------------------------------------------------
 
-REACHING = Arm(forward=35.0, aside=14.0, turn_in=18.0, elbow=45.0, pronate=0.0)
-HOLDING = Arm(forward=12.0, aside=14.0, turn_in=30.0, elbow=85.0, pronate=0.0)
-AT_MOUTH = Arm(forward=55.0, aside=30.0, turn_in=35.0, elbow=125.0, pronate=0.0)
-TILTED = Arm(forward=60.0, aside=40.0, turn_in=40.0, elbow=125.0, pronate=0.0)
+REACHING = Arm(forward=35.0, aside=14.0, turn_in=18.0, elbow=45.0, pronate=0.0, swivel=-4.0)
+HOLDING = Arm(forward=12.0, aside=14.0, turn_in=30.0, elbow=85.0, pronate=0.0, swivel=-22.0)
+AT_MOUTH = Arm(forward=45.0, aside=35.0, turn_in=35.0, elbow=125.0, pronate=0.0, swivel=-50.0)
+TILTED = replace(AT_MOUTH, swivel=-45.0)
 EASY = replace(STANDING, right_fingers=AROUND)
 AT_TABLE = replace(
     STANDING, hips_lean=9.0, lean=9.0, turn=7.0, hips_turn=3.0, nod=4.0, shift=(0.05, -0.005),
     left_arm=Arm(forward=-2.0, aside=9.0, turn_in=5.0, elbow=18.0, pronate=15.0),
 )  # fmt: skip
 # Time, tilt of the cup, nod of the head (degrees), and the arm from which the elbow's place is taken.
+# Time, tilt of the cup, lean of the trunk, nod of the head (degrees), and the arm from which the elbow's place is taken.
 DRINKING = (
-    (0.25, 12.0, 3.0, AT_MOUTH), (0.45, 40.0, -8.0, TILTED), (0.58, 46.0, -10.0, TILTED), (0.69, 12.0, 2.0, AT_MOUTH),
+    (0.25, 26.0, 5.0, 12.0, AT_MOUTH), (0.45, 42.0, 1.0, 0.0, TILTED), (0.58, 46.0, 0.5, -3.0, TILTED),
+    (0.69, 26.0, 4.0, 9.0, AT_MOUTH),
 )  # fmt: skip
-YAW_ON_CUP = 100.0  # degrees from the cup's x (away from the human) to the palm's
-HAND_DOWN = 12.0  # degrees that the fingers point below the level
-YAW_AT_MOUTH = 48.0  # degrees that the hand turns about the cup's axis on the way to the mouth
-LIFT_YAW = 12.0  # degrees that it turns already while the cup is lifted
+YAW_ON_CUP = 112.0  # degrees from the cup's x (away from the human) to the palm's
+HAND_DOWN = 0.0  # degrees that the fingers point below the level
+YAW_AT_MOUTH = 62.0  # degrees that the hand turns about the cup's axis on the way to the mouth
+LIFT_YAW = 0.0  # degrees that it turns already while the cup is lifted
 WHOLE = {"": 1.0, "head": 0.05, "left_": 0.3, "left_upper_leg": 1.0, "left_lower_leg": 1.0, "left_foot": 1.0, "root": 1.0}
 # With the cup in the hand the fingers stay as they closed around it.
 CARRYING = WHOLE | {f"right_{finger}": 0.0 for finger in ("thumb", "index", "middle", "ring", "little")}

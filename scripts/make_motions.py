@@ -1,0 +1,61 @@
+"""Make the motion clips in objectdb/ and humandb/, the same bytes every time.
+
+    .venv/bin/python scripts/make_motions.py [--check]
+
+The poser (motions/poser.py) gives postures; motions/table.py and motions/doorway.py say which, and for how long.
+`--check` writes nothing and exits with 1 where a file differs from what it would write.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+from motions import doorway, standing, table
+from motions.scene import Scene
+
+from ahmss.database import Workspace
+from ahmss.motion.clip import Clip, save
+
+ROOT = Path(__file__).resolve().parent.parent
+MODEL = "ken"  # on whose body the clips are made; other bodies share the rotations
+
+
+def make(workspace: Workspace) -> dict[str, Clip]:
+    """All clips by their path in the workspace."""
+    scene = Scene.of(workspace)
+    skeleton = workspace.humans.get(MODEL).skeleton
+    clips = {f"objectdb/{path}": clip for path, clip in table.clips(skeleton, scene).items()}
+    clips |= {f"objectdb/{path}": clip for path, clip in doorway.clips(skeleton, scene).items()}
+    clips["objectdb/floor/stand.npz"] = standing.clip(skeleton)
+    for name in workspace.humans.names():
+        clips[f"humandb/{name}/stand.npz"] = standing.clip(workspace.humans.get(name).skeleton)
+    return clips
+
+
+def main() -> int:
+    """Write the clips, or check those that there are."""
+    check = sys.argv[1:] == ["--check"]
+    differing: list[str] = []
+    for path, clip in make(Workspace(ROOT)).items():
+        file = ROOT / path
+        if not check:
+            save(clip, file)
+            print(f"{path}: {clip.frames} frames, {file.stat().st_size} bytes")
+        elif not _same(clip, file):
+            differing.append(path)
+    for path in differing:
+        print(f"{path}: differs from what scripts/make_motions.py makes; run it", file=sys.stderr)
+    return 1 if differing else 0
+
+
+def _same(clip: Clip, file: Path) -> bool:
+    with tempfile.TemporaryDirectory() as directory:
+        made = Path(directory) / file.name
+        save(clip, made)
+        return file.is_file() and made.read_bytes() == file.read_bytes()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
