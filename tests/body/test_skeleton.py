@@ -74,7 +74,7 @@ def test_upright_axes_are_those_of_table_5_3_turned_about_y(upright):
 
 
 def test_upright_every_link_points_to_its_next_joint(upright):
-    skeleton, places, world = upright
+    _, places, world = upright
     for name in ("hips", "spine", "right_upper_arm", "left_lower_arm", "right_upper_leg", "left_lower_leg"):
         child = {"hips": "spine", "spine": "head"}.get(name)
         child = INDEX[child] if child else INDEX[name] + 1
