@@ -26,8 +26,10 @@ def missed(report: Mapping[str, Any]) -> list[str]:
 def show(report: Mapping[str, Any]) -> None:
     """Print the table."""
     table = Table(title="Measured against the thesis (2000) and the numbers to reach")
-    for column, side in (("what", "left"), ("thesis", "right"), ("reach", "right"), ("measured", "right"), ("", "left")):
-        table.add_column(column, justify="right" if side == "right" else "left")
+    table.add_column("what")
+    for column in ("thesis", "reach", "measured"):
+        table.add_column(column, justify="right")
+    table.add_column("")
     for cells in _rows(report):
         table.add_row(*cells)
     Console().print(table)

@@ -37,19 +37,19 @@ def _display(workspace: Workspace) -> dict[str, Any]:
     return display_fps(workspace)
 
 
-def _server(workspace: Workspace) -> dict[str, Any]:
+def _server(_: Workspace) -> dict[str, Any]:
     from ahmss.bench.server_load import most_humans
 
     return {"server": most_humans()}
 
 
-def _latency(workspace: Workspace) -> dict[str, Any]:
+def _latency(_: Workspace) -> dict[str, Any]:
     from ahmss.bench.server_load import latency_ms
 
     return {"latency_ms": latency_ms()}
 
 
-def _body(workspace: Workspace) -> dict[str, Any]:
+def _body(_: Workspace) -> dict[str, Any]:
     from ahmss.bench.body import us_per_human
 
     return {"body_us_per_human": us_per_human()}
