@@ -201,6 +201,8 @@ class AlgorithmProcess:
             self._outbound.flush()
             self._read()
             self._watch()
+        if self.ended:  # it was read to its end just now
+            return
         if not self._log.over:
             self._log.drain()
         if not self.active:
