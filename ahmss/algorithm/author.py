@@ -17,7 +17,7 @@ from ahmss.algorithm.performance import Function, Performance
 from ahmss.body.array import Array
 from ahmss.errors import AhmssError, ProtocolError
 
-__all__ = ["Channel", "report", "run", "take_standard_output"]
+__all__ = ["Channel", "report", "run", "serve", "take_standard_output"]
 
 _FIRST = 3  # the header starts here in the buffer, so that the payload behind it is aligned to 8 bytes
 _PAYLOAD = _FIRST + HEADER.size
@@ -102,7 +102,7 @@ def run(function: Function) -> NoReturn:
     channel = Channel(0, take_standard_output())
     status = 0
     try:
-        _serve(function, channel)
+        serve(function, channel)
     except BrokenPipeError:
         pass  # main is gone, and with it whoever wanted poses
     except Exception as error:  # noqa: BLE001 - whatever an author's code raises, main is told
@@ -120,8 +120,12 @@ def report(channel: Channel, error: Exception) -> None:
         channel.write(encode(Kind.ERROR, _line(error).encode()[:4096]))
 
 
-def _serve(function: Function, channel: Channel) -> None:
-    """START, then each FRAME, until STOP, the end of the input, or the motion's end."""
+def serve(function: Function, channel: Channel) -> None:
+    """START, then each FRAME, until STOP, the end of the input, or the motion's end.
+
+    Raises:
+        ProtocolError: main broke the protocol. Whatever the function raises.
+    """
     message = channel.read()
     if message is None:
         return

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 
 from ahmss.motion import clip as clips
 
-__all__ = ["clip", "code"]
+__all__ = ["clip", "code", "touch"]
 
 T = TypeVar("T")
 _LIMIT = 256  # entries of each kind; the oldest goes first
@@ -64,6 +64,15 @@ def code(path: str) -> CodeType:
     compiled = compile(Path(path).read_bytes(), path, "exec", dont_inherit=True)
     _remember(_codes, path, (stamp, compiled))
     return compiled
+
+
+def touch() -> None:
+    """Look at all that is remembered, so that a forked process has copied it before it is needed."""
+    for _, loaded in _clips.values():
+        loaded.rotations.sum()
+        repr(loaded.header)
+    for _, compiled in _codes.values():
+        hash(compiled)
 
 
 def _remember(cache: dict[str, T], path: str, entry: T) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import array
 import contextlib
 import errno
 import os
@@ -97,28 +96,29 @@ class Hired:
     """A child of the pool. Until it has greeted, main keeps its ends of the pipes, so that another may take its place.
 
     Args:
-        pool: a connection to the pool.
+        connect: gives a connection to the pool.
         request: what to run.
         pipes: given to the child.
-        instead: starts the child without the pool, if the pool lets us down; given the reason.
+        instead: starts the child without the pool, if the pool lets us down twice; given the reason.
 
     Raises:
-        OSError: the request could not be sent.
+        OSError, AlgorithmError: the request could not be sent.
     """
 
     def __init__(
-        self, pool: socket.socket, request: Request, pipes: Pipes, instead: Callable[[str], Spawned]
+        self, connect: Callable[[], socket.socket], request: Request, pipes: Pipes, instead: Callable[[str], Spawned]
     ) -> None:
         self.pipes = pipes
-        self._pool = pool
+        self._connect = connect
+        self._request = msgspec.json.encode(request)
+        self._tries = 0
         self._instead = instead
         self._own: Spawned | None = None
         self._pid = 0
         self._pidfd = -1
         self._status: int | None = None
         self._since = time.monotonic()
-        ends = array.array("i", pipes.ends)
-        pool.sendmsg([msgspec.json.encode(request)], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, ends)])
+        self._pool = self._ask()
 
     def poll(self) -> int | None:
         """As `Child.poll`."""
@@ -157,6 +157,13 @@ class Hired:
             self.pipes.close_ends()
             self._end(_UNKNOWN)
 
+    def _ask(self) -> socket.socket:
+        """Send the request over a new connection."""
+        self._tries += 1
+        pool = self._connect()
+        socket.send_fds(pool, [self._request], list(self.pipes.ends))
+        return pool
+
     def _lost(self) -> int | None:
         """The pool's end is closed."""
         if not self._pid:
@@ -167,8 +174,12 @@ class Hired:
         return self._status
 
     def _replace(self, reason: str) -> None:
-        """Go on without the pool."""
+        """Try once more, for the pool may just have ended; then go on without it."""
         self._pool.close()
+        if self._tries == 1:
+            with contextlib.suppress(OSError, AlgorithmError):
+                self._pool = self._ask()
+                return
         try:
             self._own = self._instead(reason)
         except AlgorithmError as error:

@@ -149,7 +149,7 @@ class Launcher:
             return _interpreter(script, directory, pipes)
         clips = tuple(path for path in (start.motion, start.goal.posture) if path)
         try:
-            return Hired(self._pool.connect(), Request(script, str(directory), clips), pipes, alone)
+            return Hired(self._pool.connect, Request(script, str(directory), clips), pipes, alone)
         except (OSError, AhmssError) as error:
             return alone(str(error))
 

@@ -16,7 +16,6 @@ from enum import IntEnum
 from typing import Annotated, Any, Literal
 
 import msgspec
-import numpy as np
 from msgspec import Meta
 
 from ahmss.body.array import Array
@@ -53,6 +52,7 @@ __all__ = [
 
 VERSION = 1
 HEADER = struct.Struct("<IB")
+_K = struct.Struct("<d")
 MAX_PAYLOAD = 16 * 1024 * 1024
 
 
@@ -245,7 +245,7 @@ def encode_frame(
     object_pose: Array | None = None,
     moved: Array | None = None,
 ) -> bytes:
-    """The FRAME message.
+    """The FRAME message, of arrays of float64.
 
     Args:
         k: the frame asked for, from 1.
@@ -254,17 +254,13 @@ def encode_frame(
         object_pose: (7,) place and rotation, for an object algorithm only.
         moved: (n, 8) id, place and rotation of each object that moved, for those who asked for the world.
     """
-    count = 190 + (0 if object_pose is None else 7)
-    block = np.empty(count + (0 if moved is None else moved.size))
-    block[0] = k
-    block[1:4] = root
-    block[4:176] = rotations.reshape(172)
-    block[176:190] = grips.reshape(14)
+    parts = [_K.pack(k), root.tobytes(), rotations.tobytes(), grips.tobytes()]
     if object_pose is not None:
-        block[190:197] = object_pose
+        parts.append(object_pose.tobytes())
     if moved is not None:
-        block[count:] = moved.reshape(-1)
-    return HEADER.pack(block.nbytes, Kind.FRAME) + block.tobytes()
+        parts.append(moved.tobytes())
+    block = b"".join(parts)
+    return HEADER.pack(len(block), Kind.FRAME) + block
 
 
 def decode_start(payload: bytes | memoryview) -> Start:

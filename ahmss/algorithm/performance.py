@@ -15,6 +15,7 @@ from ahmss.errors import ShapeError
 
 __all__ = ["Answer", "Function", "Performance", "frames"]
 
+_NOTHING: Mapping[str, Any] = {}
 Answer = HumanPose | ObjectPose | Array
 Function = Callable[[Any], Iterable[Answer] | Array]
 """HumanTask or ObjectTask to poses: a generator, any iterable, or an array of POSE rows (N, 260)."""
@@ -37,14 +38,16 @@ class Performance:
         self._next = 0
         self._told = dict(self.task.object.states) if self.task.object is not None else {}
         self.row = self._row
-        self.states: Mapping[str, Any] = {}
+        self.states = _NOTHING
 
     def step(self, frame: Array) -> bool:
         """Answer a FRAME's numbers; False when the function has no more to say."""
-        self.task.see(frame)
-        self.states = {}
-        if self._next == len(self._block) and not self._advance():
-            return False
+        if self._next < len(self._block) and len(frame) == self.task.frame_size:
+            self.states = _NOTHING  # nobody looks at this frame: the answer was made ahead
+        else:
+            self.task.see(frame)
+            if self._next == len(self._block) and not self._advance():
+                return False
         if self._next < len(self._block):
             self.row = self._block[self._next]
             self._next += 1
@@ -71,6 +74,7 @@ class Performance:
         if answer is None:
             return False
         if isinstance(answer, np.ndarray):
+            self.states = _NOTHING
             self._take_block(answer)
             return len(self._block) > 0 or self._advance()
         if not isinstance(answer, self._pose_type):

@@ -25,6 +25,7 @@ import msgspec
 
 from ahmss.algorithm import ahead, worker
 from ahmss.algorithm.child import GREETING, Request
+from ahmss.algorithm.rehearsal import rehearse
 from ahmss.algorithm.runtime import Meeting, code_stamp
 
 __all__ = ["main"]
@@ -222,6 +223,7 @@ def _be_worker(notice: int) -> None:
         os.dup2(notice, _LISTENER + 1)
         os.closerange(_LISTENER + 2, 1 << 16)
         gc.enable()
+        rehearse()
         worker.serve(socket.socket(fileno=_LISTENER), socket.socket(fileno=_LISTENER + 1))
     finally:
         os._exit(1)

@@ -22,6 +22,7 @@ from ahmss.motion.clip import Clip
 
 __all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Task"]
 
+_HUMAN, _MOVED = size(FRAME_HUMAN), size(MOVED)
 Value = TypeVar("Value", bool, int, float, str)
 
 
@@ -85,20 +86,24 @@ class Task:
 
     @cached_property
     def start(self) -> HumanFrame:
-        """The human at frame 0, palms included."""
-        row = np.zeros(size(FRAME_HUMAN))
+        """The human at frame 0: as FRAME 1 finds it, or before that as START does."""
+        return HumanFrame(self._begin())
+
+    @cached_property
+    def present(self) -> HumanFrame:
+        """The human at the frame being computed (for a human algorithm: before it)."""
+        return HumanFrame(self.start.row.copy())
+
+    def _begin(self) -> Array:
+        """The 190 numbers of frame 0, of START's pose, the palms by kinematics."""
+        row = np.zeros(_HUMAN)
         row[1:4] = self.message.pose.root
         row[4:176] = np.reshape(self.message.pose.rotations, 172)
         places, world = forward(row[4:176].reshape(43, 4), row[1:4], self.human.offsets)
         for i, name in enumerate(("right_hand", "left_hand")):
             hand = Transform(places[INDEX[name]], world[INDEX[name]])
             row[176 + 7 * i : 183 + 7 * i] = hand.then(Transform.of(self.human.grips[i])).row()
-        return HumanFrame(row)
-
-    @cached_property
-    def present(self) -> HumanFrame:
-        """The human at the frame being computed (for a human algorithm: before it)."""
-        return HumanFrame(self.start.row.copy())
+        return row
 
     @cached_property
     def site(self) -> Transform | None:
@@ -159,13 +164,20 @@ class Task:
             ProtocolError: a FRAME of the wrong length.
         """
         own = self.frame_size
-        if len(row) < own or (len(row) - own) % size(MOVED):
-            raise ProtocolError(f"FRAME has {len(row)} numbers; {own} and 8 for each object that moved are expected")
-        self.present.row[:] = row[:190]
-        for moved in row[own:].reshape(-1, size(MOVED)):
-            self._move(int(moved[0]), moved[1:4], moved[4:8])
+        if len(row) != own:
+            if len(row) < own or (len(row) - own) % _MOVED:
+                raise ProtocolError(f"FRAME has {len(row)} numbers; {own} and 8 for each that moved are expected")
+            for moved in row[own:].reshape(-1, _MOVED):
+                self._move(int(moved[0]), moved[1:4], moved[4:8])
+        if "present" in self.__dict__:
+            self.present.row[:] = row[:_HUMAN]
+            return
+        self.present = HumanFrame(row[:_HUMAN].copy())
+        if "start" not in self.__dict__:
+            self.start = HumanFrame(row[:_HUMAN].copy())
+            self.start.row[0] = 0.0
 
-    frame_size = size(FRAME_HUMAN)
+    frame_size = _HUMAN
 
     def _move(self, number: int, place: Array, rotation: Array) -> None:
         """An object is elsewhere now; one that is not known is not missed."""

