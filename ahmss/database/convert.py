@@ -26,6 +26,7 @@ MOST_FACES = 500_000
 _MOST_BYTES = 400_000_000
 _FORMATS = ("dxf", "glb", "gltf", "obj", "ply", "stl")
 _SMALLEST, _LARGEST = 1e-4, 1e4  # metres
+_HUGE = 1e30  # of any unit
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # glTF's y up to our z up
 
 
@@ -35,6 +36,7 @@ def convert_shape(workspace: Workspace, kind: ObjectKind) -> Shape:
     path, label = kind.shape, workspace.label(kind.shape)
     _check_file(path, label)
     soup, metres = _read(workspace, path, label)
+    _check_finite(soup, label)
     scale = metres if metres is not None else UNITS[kind.unit]
     gltf = path.suffix.lower() in (".glb", ".gltf")
     up = kind.up or ("y" if gltf else "z")
@@ -90,10 +92,14 @@ def _read(workspace: Workspace, path: Path, label: str) -> tuple[Soup, float | N
     return soup, 1.0 if path.suffix.lower() in (".glb", ".gltf") else None
 
 
-def _check_size(soup: Soup, label: str) -> None:
-    if not np.isfinite(soup.triangles).all():
-        bad = int((~np.isfinite(soup.triangles)).any(axis=(1, 2)).sum())
+def _check_finite(soup: Soup, label: str) -> None:
+    fit = np.abs(soup.triangles) < _HUGE  # false for what is no number, too
+    if not fit.all():
+        bad = int((~fit).any(axis=(1, 2)).sum())
         raise DataError(label, "", f"{bad} faces have corners that are no finite numbers; export it anew")
+
+
+def _check_size(soup: Soup, label: str) -> None:
     extent = float(np.ptp(soup.triangles.reshape(-1, 3), axis=0).max())
     away = float(np.abs(soup.triangles).max())
     if extent < _SMALLEST or away > _LARGEST:

@@ -6,6 +6,8 @@ INSERT, and what is coloured BYBLOCK its colour, as every CAD program shows it.
 
 from __future__ import annotations
 
+import logging
+import warnings
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,6 +33,7 @@ _HEADER = 1_000_000  # bytes, generously
 _BYBLOCK, _BYLAYER = 0, 256
 _TAKEN = "3DFACE, POLYLINE (polyface or polygon mesh), MESH, and INSERT of blocks of them"
 Color = tuple[int, int, int]
+logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what is wrong is said once, by us
 
 
 @dataclass(frozen=True)
@@ -58,22 +61,26 @@ def read_dxf(path: Path, label: str, most: int) -> tuple[Soup, float | None]:
     Raises:
         DataError: it is no DXF, has no faces (says what it has), more than `most`, or blocks in a circle.
     """
-    reader = _Reader(_open(path, label), label, most)
-    soup = reader.read()
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # what is not finite is refused later, with a count
+            reader = _Reader(_open(path), label, most)
+            soup = reader.read()
+    except (DataError, MemoryError, RecursionError):
+        raise
+    except Exception as error:  # noqa: BLE001 - ezdxf fails in its own many ways on what is no DXF
+        said = (str(error).splitlines() or [type(error).__name__])[0][:120]
+        raise DataError(label, "", f"no DXF file that can be read ({said})") from None
     with path.open("rb") as file:
         says = b"$INSUNITS" in file.read(_HEADER)  # ezdxf answers metres for a file that says nothing
     return soup, _METRES.get(int(reader.document.header.get("$INSUNITS", 0))) if says else None
 
 
-def _open(path: Path, label: str) -> Any:
+def _open(path: Path) -> Any:
     try:
         return ezdxf.filemanagement.readfile(path)
-    except (DXFError, OSError, ValueError, UnicodeError, IndexError, KeyError, AttributeError, TypeError):
-        pass  # what is not quite DXF may be read by the recovery below
-    try:
-        return ezdxf.recover.readfile(path)[0]
-    except Exception as error:  # noqa: BLE001 - ezdxf fails in its own many ways on what is no DXF
-        raise DataError(label, "", f"no DXF file that can be read ({str(error) or type(error).__name__})") from None
+    except (DXFError, ArithmeticError, OSError, LookupError, ValueError, AttributeError, TypeError):
+        return ezdxf.recover.readfile(path)[0]  # what is not quite DXF may yet be read
 
 
 class _Reader:

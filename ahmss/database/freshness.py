@@ -7,6 +7,8 @@ from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Generic, TypeVar
 
+from ahmss.errors import AhmssError
+
 __all__ = ["Fresh", "Stamp", "stamp"]
 
 T = TypeVar("T")
@@ -29,7 +31,7 @@ class Fresh(Generic[T]):
     """
 
     def __init__(self) -> None:
-        self._made: dict[Hashable, tuple[dict[Path, Stamp], T | None, Exception | None]] = {}
+        self._made: dict[Hashable, tuple[dict[Path, Stamp], T | None, AhmssError | None]] = {}
 
     def get(self, key: Hashable, files: Iterable[Path], make: Callable[[set[Path]], T]) -> T:
         """The value for `key`; `make` gets the set of files that the value depends on and may add to it."""
@@ -44,13 +46,13 @@ class Fresh(Generic[T]):
 
     def _make(
         self, files: set[Path], make: Callable[[set[Path]], T]
-    ) -> tuple[dict[Path, Stamp], T | None, Exception | None]:
+    ) -> tuple[dict[Path, Stamp], T | None, AhmssError | None]:
         stamps = {path: stamp(path) for path in files}  # before reading: a change meanwhile is seen next time
         value: T | None = None
-        error: Exception | None = None
+        error: AhmssError | None = None
         try:
             value = make(files)
-        except Exception as caught:  # noqa: BLE001 - kept, and raised at each look-up until the file changes
+        except AhmssError as caught:  # kept, and raised at each look-up until the file changes
             error = caught
         return {path: stamps.get(path, stamp(path)) for path in files}, value, error
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -28,17 +29,30 @@ def read_mesh(workspace: Workspace, path: Path, label: str) -> Soup:
     """
     resolver = _Inside(workspace, path.parent)
     try:
-        with path.open("rb") as file:
+        with path.open("rb") as file, warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # what is not finite is refused later, with a count
             scene = trimesh.load_scene(file, file_type=path.suffix[1:].lower(), resolver=resolver, process=False)
-        meshes: list[Any] = [m for m in scene.dump() if isinstance(m, trimesh.Trimesh) and len(m.faces)]
+            soup = _soup([m for m in scene.dump() if isinstance(m, trimesh.Trimesh) and len(m.faces)])
     except WorkspaceError as error:
         raise DataError(label, "", str(error)) from None
     except Exception as error:  # noqa: BLE001 - trimesh fails in its own many ways on a broken file
         said = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
         raise DataError(label, "", f"no {path.suffix[1:].upper()} file that can be read ({said})") from None
-    if not meshes:
+    if soup is None:
         raise DataError(label, "", "no faces: it holds no triangles")
-    layers = tuple(str(m.metadata.get("name", f"part {i + 1}")) for i, m in enumerate(meshes))
+    return soup
+
+
+def _soup(meshes: list[Any]) -> Soup | None:
+    """All meshes as one, each a layer; None where there are none."""
+    if not meshes:
+        return None
+    for mesh in meshes:
+        if mesh.vertices.shape[1:] != (3,) or mesh.faces.shape[1:] != (3,):
+            raise ValueError(f"corners of {mesh.vertices.shape[-1]} numbers, faces of {mesh.faces.shape[-1]} corners")
+        if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
+            raise ValueError(f"a face names corner {int(mesh.faces.max())} of {len(mesh.vertices)}")
+    layers = tuple(Path(str(m.metadata.get("name", f"part {i + 1}"))).name for i, m in enumerate(meshes))
     picture = _picture(meshes)
     return Soup(
         np.concatenate([np.asarray(m.triangles, float) for m in meshes]),
