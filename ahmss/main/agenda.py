@@ -96,7 +96,8 @@ class Agenda:
             case Remove(name=name):
                 scene = self._main.communication
                 name = find_object(scene, name)
-                self._await(scene.client.begin(RemoveRequest(name)), step, f"{name} is gone")
+                pending = scene.client.begin(RemoveRequest(name))
+                self._await(pending, step, f"{name} is gone", lambda: name in scene.objects)
             case Set() as line:
                 self._set(line, step)
             case Human(name=name):
@@ -180,14 +181,16 @@ class Agenda:
             raise CommandError(f'{name} {line.state} can\'t be "{line.value}"; allowed: {state.allowed}')
         self._await(scene.set_state(name, line.state, value), step, f"{name} {line.state} is {value}")
 
-    def _await(self, pending: Pending, step: Step, then: str = "") -> None:
-        """Wait for the server's answer without stopping the frames."""
+    def _await(self, pending: Pending, step: Step, then: str = "", unseen: Callable[[], bool] = bool) -> None:
+        """Wait for the server's answer, and until its effect is not `unseen` here, without stopping the frames."""
 
         def waits() -> bool:
             if not pending.done:
                 return True
             try:
                 pending.result()
+                if unseen():
+                    return True
                 if then:
                     self.said(then)
             except WorldError as error:

@@ -43,6 +43,7 @@ asks = ["goal_position"]
 
 [affordances.touch]
 human_algorithm = "touch"
+site = "top"
 asks = ["hand"]
 
 [affordances.take]
@@ -235,7 +236,7 @@ def join(workspace: Path, _pool: None) -> Iterator[Callable[..., MainProcess]]:
     def begin(server: ServerProcess | str, human: str = "ken", **options: Any) -> MainProcess:
         address = server if isinstance(server, str) else server.address
         setup = Setup(human, server=address, workspace=workspace, seed=1, **{"body": "ken", **options})
-        mains.append(MainProcess(setup, lambda text: None))
+        mains.append(MainProcess(setup, lambda _: None))
         return mains[-1]
 
     yield begin

@@ -1,32 +1,223 @@
-"""The frame loop with a real server and real algorithm processes, in lockstep."""
+"""The frame loop with a real server and real algorithm processes, most of it in lockstep."""
 
+from collections import deque
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
+import pytest
 
+from ahmss.body.array import Array
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.main.process import MainProcess
 from ahmss.world.process import ServerProcess
+from tests.main.conftest import write_peer
 from tests.main.ground import steps
 
 Start = Callable[..., ServerProcess]
 Join = Callable[..., MainProcess]
-ARM = INDEX["right_upper_arm"]
+ARM, SPINE = INDEX["right_upper_arm"], INDEX["spine"]
 
 
-def fast(server: Start, join: Join) -> MainProcess:
-    return join(server(lockstep=["ken"]), fast=True, names=("ken",))
+@pytest.fixture
+def ken(server: Start, join: Join) -> MainProcess:
+    """A main in lockstep with a box beside its right hand."""
+    main = join(server(lockstep=["ken"]), fast=True, names=("ken",))
+    hand = main.blending.grips[0]
+    x, y, z = (hand[:3] + np.array([0.03, 0.0, -0.05])).tolist()
+    main.play(steps(f"add box as b at {x} {y} {z}"))
+    return main
 
 
-def test_a_motion_is_made_by_a_process_and_seen_in_the_world(server: Start, join: Join) -> None:
-    main = fast(server, join)
-    before = main.blending.rotations.copy()
-    report = main.play(steps("add box as b at 1 0 1", "do b wave frames 30"))
+class Film:
+    """Every frame of a run: angles of joints, and where the box is."""
+
+    def __init__(self, main: MainProcess, *lines: str) -> None:
+        self.rotations: list[Array] = []
+        self.roots: list[Array] = []
+        self.grips: list[Array] = []
+        self.box: list[Array] = []
+        publish = main.communication.publish
+
+        def look(root: Array, rotations: Array, moved: Array | None) -> None:
+            publish(root, rotations, moved)
+            self.rotations.append(rotations.copy())
+            self.roots.append(root.copy())
+            self.grips.append(main.blending.grips.copy())
+            if "b" in main.communication.objects:
+                self.box.append(main.communication.pose("b").copy())
+
+        main.communication.publish = look  # type: ignore[method-assign]
+        main.play(deque(steps(*lines)))
+        main.communication.publish = publish  # type: ignore[method-assign]
+
+    def angles(self, joint: int) -> Array:
+        """Radians that a joint is away from its first frame."""
+        turned = [multiply(conjugate(self.rotations[0][joint]), rotation[joint]) for rotation in self.rotations]
+        return np.linalg.norm([to_rotation_vector(q) for q in turned], axis=1)
+
+    def pops(self) -> float:
+        """The largest step of any joint against the mean of its neighbours, degrees."""
+        rotations = np.array(self.rotations)
+        steps_ = to_rotation_vector(multiply(conjugate(rotations[:-1]), rotations[1:]))
+        return float(np.degrees(np.abs(steps_[1:-1] - 0.5 * (steps_[:-2] + steps_[2:])).max()))
+
+
+def test_a_motion_is_made_by_a_process_and_seen_in_the_world(ken: MainProcess) -> None:
+    before = ken.blending.rotations.copy()
+    report = ken.play(steps("do b wave frames 30"))
     assert report.messages == []
-    turned = 2.0 * np.arccos(abs(float(main.blending.rotations[ARM] @ before[ARM])))
-    assert abs(turned - 0.6) < 1e-6
+    turned = to_rotation_vector(multiply(conjugate(before[ARM]), ken.blending.rotations[ARM]))
+    assert abs(np.linalg.norm(turned) - 0.6) < 1e-6
     others = [link for link in range(43) if link != ARM]
-    assert np.abs(main.blending.rotations[others] - before[others]).max() < 1e-12
-    main.communication.client.refresh()
-    _, seen = main.communication.world.human("ken")
-    assert np.abs(seen - main.blending.rotations).max() < 1e-6
+    assert np.abs(ken.blending.rotations[others] - before[others]).max() < 1e-12
+    ken.communication.client.refresh()
+    _, seen = ken.communication.world.human("ken")
+    assert np.abs(seen - ken.blending.rotations).max() < 1e-6
+
+
+def test_fused_motions_start_each_after_its_own_delay(ken: MainProcess) -> None:
+    film = Film(ken, "do b wave frames 40 with b bow frames 30 after 20")
+    arm, spine = film.angles(ARM), film.angles(SPINE)
+    assert arm[5] > 1e-3
+    assert spine[:20].max() < 1e-9
+    assert spine[25] > 1e-3
+    assert abs(arm[39] - 0.6) < 1e-3
+    assert abs(spine[-1] - 0.6) < 1e-3
+    assert ken.report.messages == []
+
+
+def test_one_motion_follows_on_another_without_a_jump(ken: MainProcess) -> None:
+    # The second begins in the middle of the first one's sweep: the same joint, another source.
+    film = Film(
+        ken, "do b wave frames 20 angle=1.2", "do b bow frames 20", "do b wave frames 20 angle=-0.8", "wait 0.5"
+    )
+    assert ken.report.messages == []
+    assert film.pops() < 1.5
+
+
+def test_the_root_follows_its_one_owner_exactly(ken: MainProcess) -> None:
+    start = ken.blending.root.copy()
+    film = Film(ken, "do b step to 1 0.5 frames 60 with b wave frames 40", "wait 0.5")
+    assert np.abs(film.roots[-1] - [1.0, 0.5, start[2]]).max() < 1e-6
+    assert np.abs(np.diff(np.array(film.roots), n=2, axis=0)).max() < 0.01
+
+
+def test_a_target_is_met_at_the_end_without_a_jump_on_the_way(ken: MainProcess) -> None:
+    x, y, z = (ken.blending.grips[0, :3] + [0.2, 0.0, 0.2]).tolist()
+    film = Film(ken, f"add box as c at {x} {y} {z - 0.05}", "do c touch hand right frames 40")
+    assert np.abs(film.grips[39][0, :3] - [x, y, z]).max() < 1e-3
+    assert film.pops() < 1.5
+
+
+def test_what_was_taken_follows_the_hand_until_it_is_released(ken: MainProcess) -> None:
+    film = Film(ken, "do b take frames 30", "do b bow frames 20", "do b shake frames 20")
+    held = [in_hand(grips, box) for grips, box in zip(film.grips[6:], film.box[6:], strict=True)]
+    assert np.abs(np.array(held) - held[0]).max() < 1e-6
+    assert np.abs(film.box[-1] - film.box[0]).max() > 0.05
+    assert ken.communication.world.objects["b"].holder == "ken"
+    assert ken.communication.world.objects["b"].hand == "right"
+    released = Film(ken, "do b drop frames 10", "do b bow frames 20")
+    assert np.abs(released.box[-1] - released.box[0]).max() < 1e-12
+    assert ken.communication.world.objects["b"].holder == ""
+    assert ken.report.messages == []
+
+
+def in_hand(grips: Array, box: Array) -> Array:
+    """The box's place in the right palm."""
+    return rotate(conjugate(grips[0, 3:]), box[:3] - grips[0, :3])
+
+
+def test_an_object_algorithm_that_dies_leaves_the_box_fixed_to_the_hand(ken: MainProcess) -> None:
+    film = Film(ken, "do b grip_and_die frames 30", "do b bow frames 20")
+    assert len(ken.report.messages) == 1
+    assert "algorithm carry at frame 10" in ken.report.messages[0]
+    assert "it was dropped" in ken.report.messages[0]
+    assert ken.report.messages[0].endswith("b stays fixed to the hand until it is released")
+    held = [in_hand(grips, box) for grips, box in zip(film.grips[6:], film.box[6:], strict=True)]
+    assert np.abs(np.array(held) - held[0]).max() < 1e-6
+    rest = Film(ken, "do b drop frames 10", "do b bow frames 20")
+    assert np.abs(rest.box[-1] - rest.box[0]).max() < 1e-12
+    assert ken.communication.world.objects["b"].holder == ""
+
+
+@pytest.mark.parametrize(
+    ("how", "reason"),
+    [
+        ("crashes", "at frame 30: it was killed by SIGABRT"),
+        ("writes_garbage", "at frame 3: "),
+        ("prints", "at frame 3: "),
+        ("not_a_number", "number 100 of its pose is nan"),
+        ("length_two", "has length 2, not 1"),
+        ("exits", "it ended with exit code 7"),
+    ],
+)
+def test_a_bad_algorithm_costs_one_line_and_disturbs_nothing_else(
+    ken: MainProcess, workspace: Path, how: str, reason: str
+) -> None:
+    write_peer(workspace, how)
+    film = Film(ken, f"do b {how} frames 60 with b wave frames 50", "do b bow frames 20")
+    assert len(ken.report.messages) == 1
+    assert reason in ken.report.messages[0]
+    assert abs(film.angles(ARM)[-1] - 0.6) < 1e-3 or how == "crashes"
+    assert film.angles(SPINE)[-1] > 0.5
+    assert film.pops() < 1.5
+
+
+@pytest.mark.parametrize(
+    ("line", "error"),
+    [
+        ("do c wave", 'line 1: no object "c" in the world; there is: b'),
+        ("do b fly", 'line 1: b does not afford "fly"; it affords: wave, bow'),
+        ("do b wave speed=3", 'line 1: b wave: no parameter "speed"; it takes: angle, link'),
+        ("do b wave angle=fast", "line 1: b wave: parameter angle: 'fast' is no finite number"),
+        ("do b shake", "b shake: ken does not hold it"),
+        ("do b reach_high", "b reach_high: needs reach 3; ken has 2."),
+        ("set b lid ajar", 'line 1: b lid can\'t be "ajar"; allowed: shut, open'),
+        ("set b colour red", 'line 1: b has no state "colour"; it has: lid'),
+        ("aiko: do b wave", "line 1: this main moves ken, not aiko"),
+        ("add boxes", 'line 1: no kind of object "boxes"'),
+        ("remove c", 'line 1: no object "c" in the world'),
+        ("human aiko", "line 1: another human needs a main of its own; type: ahmss main --human aiko"),
+        ("wait b lamp == on", 'line 1: b has no state "lamp"; it has: lid'),
+    ],
+)
+def test_what_can_not_be_done_is_said_in_one_line_and_the_rest_goes_on(ken: MainProcess, line: str, error: str) -> None:
+    film = Film(ken, line, "do b wave frames 20")
+    assert len(ken.report.messages) == 1
+    assert error in ken.report.messages[0].replace("there are:", "there is:")
+    assert film.angles(ARM)[-1] > 0.5
+
+
+def test_an_action_is_afforded_in_some_states_only(ken: MainProcess) -> None:
+    ken.play(steps("do b open frames 10", "set b lid open", "do b open frames 10"))
+    assert ken.report.messages == ["b open: only when lid == shut; lid is open"]
+
+
+def test_nobody_takes_what_somebody_else_holds(server: Start, join: Join) -> None:
+    here = server()
+    ken, aiko = join(here), join(here, "aiko", body="aiko", place=(0.0, 1.0))
+    ken.play(steps("add box as b at 0.3 0.5 1", "do b take frames 20"))
+    aiko.play(steps("wait 0.3", "do b take frames 10", "do b wave frames 10"))
+    assert len(aiko.report.messages) == 1
+    assert aiko.report.messages[0].startswith("b take: ")
+    assert "ken" in aiko.report.messages[0]
+    assert aiko.communication.update().objects["b"].holder == "ken"
+
+
+def test_a_motion_that_is_stopped_leaves_the_body_where_it_is(server: Start, join: Join) -> None:
+    main = join(server())
+    main.play(steps("add box as b at 0.3 0 1"))
+    before = main.blending.rotations.copy()
+    for step in steps("do b wave frames 600", "do b bow frames 600"):
+        main.agenda.add(step)
+    for _ in range(60):
+        main.frame()
+    main.stop_motion()
+    for _ in range(60):
+        main.frame()
+    assert main.agenda.done
+    assert main.blending.resting
+    assert np.abs(main.blending.rotations[ARM] - before[ARM]).max() > 1e-4
+    assert main.report.messages == []
