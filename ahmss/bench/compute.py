@@ -33,7 +33,7 @@ CASES = {
     "fusion_object": "do thing carry frames {n} with other slerp frames {n}",
 }
 _HUMAN = "bench"
-_WARM, _FRAMES, _ROUNDS = 300, 2000, 5
+_WARM, _FRAMES, _ROUNDS = 300, 1000, 5
 
 
 def compute_fps(workspace: Workspace) -> dict[str, float]:
