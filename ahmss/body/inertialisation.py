@@ -18,7 +18,7 @@ from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply
 __all__ = ["Channel", "Inertialiser", "Places", "Rotations"]
 
 _SECONDS = 0.4  # how long a difference takes to decay
-_DAMPING = 0.9  # of the velocity, for the one frame that the body carries on by itself
+_DAMPING = 0.7  # of the velocity, a frame, where sources change so fast that the body carries on by itself for longer
 
 Rows = NDArray[np.bool_]
 
@@ -81,9 +81,10 @@ class Channel(ABC):
     def _carry_on(self, source: Array, switched: Rows) -> Array:
         assert self.present is not None
         before = self.present if self._before is None else self._before
-        velocity = _DAMPING * self._difference(before, self.present)
+        again = (self._frame == 1)[:, None]
+        velocity = np.where(again, _DAMPING, 1.0) * self._difference(before, self.present)
         output = self._add(self.present, velocity)
-        self._waiting = (source, output, self._add(output, _DAMPING * velocity))
+        self._waiting = (source, output, self._add(output, velocity))
         self._frame[switched] = 0
         return np.where(switched[:, None], output, self._with_offset(source))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ahmss.body.blending import blend, blend_root
@@ -21,7 +21,6 @@ def near(rng, previous, motions, spread=0.5):
     return multiply(previous, away) * rng.choice([-1.0, 1.0], size=(*shape, 1))
 
 
-@settings(max_examples=30)
 @given(seeds, SHAPES, st.integers(1, 5))
 def test_blend_is_4_11_on_one_hemisphere_normalised(seed, shape, motions):
     rng = np.random.default_rng(seed)
@@ -35,7 +34,6 @@ def test_blend_is_4_11_on_one_hemisphere_normalised(seed, shape, motions):
     assert np.all(np.einsum("...c,...c->...", blended, previous) > 0.0)
 
 
-@settings(max_examples=20)
 @given(seeds)
 def test_signs_of_the_motions_do_not_matter(seed):
     rng = np.random.default_rng(seed)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, RIGHT_HAND, ends, grips, solve
@@ -61,7 +61,6 @@ def test_ends_and_grips_agree_with_forward_kinematics(seed):
     assert np.allclose(batch[2], seen, atol=1e-14)
 
 
-@settings(max_examples=60)
 @given(seeds)
 def test_hands_and_feet_meet_what_is_in_reach(seed):
     rotations, root, targets = reachable(seed)
@@ -70,7 +69,6 @@ def test_hands_and_feet_meet_what_is_in_reach(seed):
     assert np.all(angle(met[:, 3:], targets[:4, 3:7]) < 1e-6)
 
 
-@settings(max_examples=40)
 @given(seeds)
 def test_a_free_rotation_meets_the_place_and_leaves_the_wrist(seed):
     rotations, root, targets = reachable(seed)
@@ -101,7 +99,6 @@ def test_no_weight_changes_nothing_at_all(seed):
     assert np.array_equal(solve(SKELETON, rotations, root, targets), rotations)
 
 
-@settings(max_examples=30)
 @given(seeds)
 def test_one_pose_and_a_batch_give_the_same(seed):
     rng = np.random.default_rng(seed)
@@ -119,7 +116,6 @@ def test_one_pose_and_a_batch_give_the_same(seed):
     assert np.allclose(shaped.reshape(4, 43, 4), batch, atol=1e-15)
 
 
-@settings(max_examples=30)
 @given(seeds, st.floats(1.0, 50.0))
 def test_bones_are_never_stretched_and_the_limb_points_to_what_is_too_far(seed, far):
     rng = np.random.default_rng(seed)
@@ -179,9 +175,9 @@ def test_the_forearm_takes_the_twist_of_the_hand(wanted):
     solved = solve(SKELETON, rotations, root, targets_of(turned, root))
     of_hand = to_rotation_vector(solved[hand])[0]
     assert abs(of_hand) < 0.25 * abs(wanted)
-    met, asked = grips(SKELETON, solved, root), grips(SKELETON, turned, root)
-    assert np.allclose(met[:, :3], asked[:, :3], atol=1e-9)
-    assert np.all(angle(met[:, 3:], asked[:, 3:]) < 1e-7)
+    met, asked = grips(SKELETON, solved, root)[0], grips(SKELETON, turned, root)[0]
+    assert np.allclose(met[:3], asked[:3], atol=1e-9)
+    assert angle(met[3:], asked[3:]) < 1e-7
 
 
 def test_a_turned_foot_turns_the_thigh_not_the_knee():
