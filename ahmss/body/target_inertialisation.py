@@ -72,7 +72,7 @@ class TargetInertialiser:
 
     def _take_hold(self) -> None:
         """New targets of hands and feet start where these are, with the velocity that they have."""
-        for rotations, root in self._poses:
+        for rotations, root in (self._poses[0], self._poses[-1]):  # one pose twice: it stood still
             seen = ends(self._skeleton, rotations, root)
             self._places.settle(seen[:, :3])
             self._turns.settle(seen[:, 3:])
