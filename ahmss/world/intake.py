@@ -36,7 +36,7 @@ class Intake:
     called before anything else reads or changes the space.
 
     Attributes:
-        frames: id and owner of the humans that were moved since the caller last cleared it.
+        frames: id and owner of the humans of whom frames came since the caller last cleared it.
     """
 
     def __init__(self, space: Space) -> None:
@@ -53,7 +53,7 @@ class Intake:
         """Whether `flush` must be called before the next `take`."""
         return len(self._staged) >= _MOST_STAGED
 
-    def take(self, owner: bytes, data: bytes) -> None:
+    def take(self, owner: bytes, data: bytes | memoryview) -> None:
         """Stage one frame.
 
         Raises:
@@ -73,11 +73,12 @@ class Intake:
             return
         if count:
             things = self._held(person.record.name, frame, data)
-            self._moving.append((len(self._staged), things, data[_BODY:]))
+            self._moving.append((len(self._staged), things, bytes(data[_BODY:])))
         person.frame = frame
         start = len(self._staged) * self._stride
         self._bytes[start : start + POSE_BYTES] = data[HEADER.size : _BODY]
         self._staged.append((owner, number, frame))
+        self.frames[number] = owner
 
     def flush(self) -> list[tuple[bytes, Refused]]:
         """Apply what is staged; the refusals with whom they are for."""
@@ -90,8 +91,6 @@ class Intake:
                 moved = np.frombuffer(data, "<f8").reshape(-1, ROW_WIDTH)
                 self._space.things.place(self._staged[at][0], things, moved[:, 1:])
         refusals = [self._refuse(*self._staged[at]) for at in bad]
-        for owner, number, _ in self._staged:
-            self.frames[number] = owner
         self._staged.clear()
         self._moving.clear()
         return refusals
@@ -117,7 +116,7 @@ class Intake:
         table.data[rows[good]] = poses[good]
         return [] if len(good) == count else np.flatnonzero(bad).tolist()
 
-    def _held(self, human: str, frame: int, data: bytes) -> list[Thing]:
+    def _held(self, human: str, frame: int, data: bytes | memoryview) -> list[Thing]:
         """The objects that a frame moves: all must be held by its human and have poses."""
         known = self._space.things.by_id
         things: list[Thing] = []

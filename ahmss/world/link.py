@@ -21,7 +21,7 @@ __all__ = ["LARGEST_MESSAGE", "Link", "Pending"]
 LARGEST_MESSAGE = 4 << 20
 """Bytes; a server cuts off who sends more."""
 
-_HEARTBEAT_S = 1.0
+_HEARTBEAT_S = 0.5
 _MOST_WAITING = 1000
 _EVENT = struct.Struct("=HI")  # of a socket's monitor: what happened, and a value
 

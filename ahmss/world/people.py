@@ -51,6 +51,8 @@ class People:
     def owned(self, owner: bytes, name: str) -> Person:
         """The human of that name, which the client must own."""
         person = self.get(name)
+        if not person.owner:
+            raise WorldError(f"{name} has lost its main; join again")
         if person.owner != owner:
             raise WorldError(f"{name} is moved by another main")
         return person

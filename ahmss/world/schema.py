@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 
 import msgspec
+import numpy as np
 
 from ahmss.errors import ProtocolError
 
@@ -437,7 +438,14 @@ class Stats(msgspec.Struct, frozen=True, tag="stats"):
 Reply = Welcome | Done | Joined | Added | Refused | AssetPart | JoinFirst | Ticked | Scene | Snapshot | Stats
 
 
-_encoder = msgspec.msgpack.Encoder()
+def _plain(value: object) -> object:
+    """A numpy number or array in a place or a state, as a plain one."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise NotImplementedError(f"{type(value).__name__} can't be sent")
+
+
+_encoder = msgspec.msgpack.Encoder(enc_hook=_plain)
 _request_decoder: msgspec.msgpack.Decoder[Request] = msgspec.msgpack.Decoder(Request)
 _reply_decoder: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
 _snapshot_decoder: msgspec.msgpack.Decoder[Snapshot] = msgspec.msgpack.Decoder(Snapshot)

@@ -15,11 +15,12 @@ _PATIENCE = 20.0
 
 @dataclass(slots=True)
 class Session:
-    """One client, by the identity of its connection."""
+    """One client, by the identity of its connection. `was_dropped`: its lease ran out; it may not know yet."""
 
     identity: bytes
     heard_at: float
     is_main: bool = False
+    was_dropped: bool = False
     malformed: int = 0
     complained_at: float = -_COMPLAINT_S
 
@@ -69,7 +70,7 @@ class Sessions:
                 continue
             if self._patient and silence <= self.lease_s * _PATIENCE and is_reachable(session.identity):
                 continue
-            session.is_main = False
+            session.is_main, session.was_dropped = False, True
             gone.append(session.identity)
         self._forget_idle(now, _IDLE_S)
         return gone

@@ -11,6 +11,7 @@ import pytest
 from ahmss.world.client import WorldClient
 from ahmss.world.process import ServerProcess
 
+
 def children() -> set[int]:
     """Process ids of this process's children that have not been waited for."""
     return {int(pid) for path in Path("/proc/self/task").glob("*/children") for pid in path.read_text().split()}

@@ -7,7 +7,6 @@ import sys
 import time
 
 import numpy as np
-
 from ground import ROOT, ROTATIONS, join, row
 
 from ahmss.errors import WorldError
