@@ -171,7 +171,7 @@ class Goal(msgspec.Struct, frozen=True, omit_defaults=True):
     object: Annotated[ObjectRecord | None, Meta(description="the object named as the goal")] = None
 
 
-class Start(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
+class Start(msgspec.Struct, frozen=True, kw_only=True):
     """START: all that an algorithm is told before the first frame."""
 
     version: Annotated[int, Meta(description="of the protocol")] = VERSION
