@@ -22,7 +22,7 @@ def upper_arm_loft(figure: Figure, thickness: float, start: float = -0.1, end: f
     a, b = figure.bind.place("right_upper_arm"), figure.bind.place("right_lower_arm")
     # share of the bone, half width, front, back
     stations = _grown(figure, float(np.linalg.norm(b - a)), thickness, (
-        (-0.15, 4.6, 4.9, 5.2), (0.0, 5.4, 5.6, 5.9), (0.2, 5.3, 5.6, 5.7), (0.45, 4.7, 5.2, 5.0),
+        (-0.15, 2.6, 3.6, 3.8), (0.0, 3.7, 4.6, 4.8), (0.12, 4.5, 5.2, 5.4), (0.27, 5.0, 5.5, 5.5), (0.45, 4.7, 5.2, 5.0),
         (0.7, 4.2, 4.7, 4.4), (0.9, 4.0, 4.0, 4.0), (1.1, 4.0, 3.8, 3.9),
     ), start, end)  # fmt: skip
     return Loft(a, b - a, np.array([1.0, 0.0, 0.0]), stations, 2.1)
@@ -130,7 +130,7 @@ def arm(figure: Figure, start: float) -> Field:
     """The right arm's skin from a share of the upper arm to the fingertips."""
     upper, lower, fingers = upper_arm_loft(figure, 0.0, start), forearm_loft(figure, 0.0, -0.08, 1.06), hand(figure)
     a, b = figure.bind.place("right_upper_arm"), figure.bind.place("right_lower_arm")
-    elbow = ellipsoid(b, np.full(3, 0.039 * figure.limb * figure.height / 1.76))
+    elbow = ellipsoid(b, np.full(3, 0.037 * figure.limb * figure.height / 1.76))
     begin = half_space(a + start * (b - a), a - b)
 
     wrist, along = figure.bind.place("right_hand"), figure.bind.matrix("right_lower_arm")[:, 0]

@@ -7,12 +7,13 @@ from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
-from humans import arm, face, hair, head, shoe, trunk, weights
+from humans import arm, clothes, face, hair, head, shoe, trunk, weights
 from humans.body import Body, Painting
 from humans.distance import Field
 from humans.figure import Figure
 from humans.gltf import Skinned
 from humans.mesh import Part, mesh
+from humans.shade import shaded
 
 __all__ = ["build"]
 
@@ -21,7 +22,7 @@ def build(figure: Figure) -> Skinned:
     """Model, join, paint and skin one human."""
     painting = Painting()
     painting.lay(_joined(figure, painting))
-    for stencil in face.stencils(figure):
+    for stencil in (*face.stencils(figure), *clothes.stencils(figure)):
         painting.paint(stencil)
     body = painting.body()
     joints, shares = weights.skin_weights(figure, body.points, body.faces)
@@ -42,13 +43,12 @@ def _right(figure: Figure, low: float, high: float) -> tuple[Array, Array]:
 def _joined(figure: Figure, painting: Painting) -> Manifold:
     """All parts as one solid."""
     parts = [
-        mesh(trunk.shirt(figure), _box(figure, (-0.2, 0.25), 0.64, (0.55, 0.9)), 0.006, 1300, "shirt"),
+        mesh(trunk.shirt(figure), _box(figure, (-0.2, 0.25), 0.64, (0.55, 0.9)), 0.005, 1700, "shirt"),
         mesh(trunk.trousers(figure), _box(figure, (-0.25, 0.25), 0.36, (0.02, 0.63)), 0.007, 1000, "trousers"),
         mesh(trunk.belt(figure), _box(figure, (-0.25, 0.25), 0.36, (0.55, 0.63)), 0.005, 140, "belt"),
-        mesh(trunk.collar(figure), _box(figure, (-0.2, 0.2), 0.2, (0.8, 0.9)), 0.003, 260, "collar"),
     ]
     drawing = head.Drawing.of(figure)
-    parts.append(mesh(hair.hair(figure), (drawing.place(-17, -10, -12), drawing.place(11, 10, 12)), 0.003, 1300, "hair"))
+    parts.append(mesh(hair.hair(figure), (drawing.place(-17, -10, -12), drawing.place(11, 10, 12)), 0.003, 1700, "hair"))
     if figure.female:
         around = (drawing.place(-14, -3, 2), drawing.place(-8, 3, 9))
         parts.append(mesh(hair.hair_band(figure), around, 0.0025, 90, "band"))
@@ -59,8 +59,12 @@ def _joined(figure: Figure, painting: Painting) -> Manifold:
     ):
         parts += [right, right.mirrored()]
     solid = _head(figure, painting)
+    hems = clothes.hems(figure)
     for part in parts:
-        solid = solid + painting.part(part.solid(), part.colour, part.field)
+        piece = painting.part(part.solid(), part.colour, part.field)
+        if part.colour in hems:
+            piece = piece - painting.part(hems[part.colour], part.colour, None)
+        solid = solid + piece
     return solid
 
 
@@ -71,15 +75,16 @@ def _arm(figure: Figure) -> Part:
     start = figure.bind.place("right_lower_arm" if figure.long_sleeves else "right_upper_arm")
     around = np.concatenate([[start], *fingers]) @ turn
     field = arm.arm(figure, 0.75 if figure.long_sleeves else 0.25)
-    return mesh(field, (around.min(0) - 0.055, around.max(0) + 0.055), 0.0018, 1250, "skin", turn)
+    return mesh(field, (around.min(0) - 0.055, around.max(0) + 0.055), 0.0018, 1200, "skin", turn)
 
 
 def _head(figure: Figure, painting: Painting) -> Manifold:
     """Head with eyes behind their openings."""
     drawing = head.Drawing.of(figure)
     around = (drawing.place(-11, -9.5, -24), drawing.place(11.5, 9.5, 11))
-    skin = mesh(head.head(figure), around, 0.0022, 3600, "skin")
-    solid = painting.part(skin.solid(), "skin", skin.field)
+    skin = mesh(head.head(figure), around, 0.0022, 3000, "skin")
+    # Shade is kept at the vertices: no face of the neck may be long.
+    solid = painting.part(skin.solid().refine_to_length(0.026), "skin", skin.field)
     upper, lower = face.eye_openings(figure)
     solid = solid - painting.part(upper, "lash", None) - painting.part(lower, "rim", None)
     centre, radius = np.array(head.EYE_BALL[:3]), head.EYE_BALL[3]
@@ -103,10 +108,8 @@ def _split(
     faces = faces.reshape(-1, 3)
     point = vertices[:, 0]
     normals = _normals(body.points[point], faces, vertices[:, 1], fields)
-    palette = np.array([(*figure.colours[name], 255) for name in names], np.uint8)
-    return Skinned(
-        body.points[point], normals, palette[vertices[:, 2]], joints[point], shares[point], faces, figure.bind.frames()
-    )
+    colours = shaded(figure, body.points[point], normals, [names[i] for i in vertices[:, 2]], fields)
+    return Skinned(body.points[point], normals, colours, joints[point], shares[point], faces, figure.bind.frames())
 
 
 def _normals(points: Array, faces: NDArray[np.int64], group: NDArray[np.int64], fields: list[Field | None]) -> Array:

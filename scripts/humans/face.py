@@ -28,11 +28,11 @@ def _arc(points: list[tuple[float, float]], count: int = 9) -> Array:
 def _lids(figure: Figure) -> tuple[Array, Array]:
     """Upper and lower edge of the left eye's opening from the inner to the outer corner."""
     if figure.female:
-        upper = [(1.62, -0.30), (2.15, 0.42), (3.05, 0.82), (3.95, 0.62), (4.72, 0.05)]
-        lower = [(1.62, -0.30), (2.3, -0.62), (3.15, -0.78), (4.0, -0.58), (4.72, 0.05)]
+        upper = [(1.55, -0.36), (2.05, 0.42), (3.05, 0.86), (4.05, 0.68), (4.78, 0.10)]
+        lower = [(1.55, -0.36), (2.25, -0.74), (3.15, -0.90), (4.1, -0.62), (4.78, 0.10)]
     else:
-        upper = [(1.65, -0.26), (2.2, 0.30), (3.05, 0.58), (3.9, 0.44), (4.62, -0.02)]
-        lower = [(1.65, -0.26), (2.3, -0.52), (3.15, -0.64), (3.95, -0.50), (4.62, -0.02)]
+        upper = [(1.65, -0.30), (2.15, 0.30), (3.05, 0.60), (3.95, 0.46), (4.66, -0.02)]
+        lower = [(1.65, -0.30), (2.3, -0.60), (3.15, -0.74), (4.0, -0.56), (4.66, -0.02)]
     return _arc(upper), _arc(lower)
 
 
@@ -63,7 +63,7 @@ def eye_openings(figure: Figure) -> tuple[Manifold, Manifold]:
     upper, lower = _lids(figure)
     top = np.concatenate([upper, [[4.0, -0.12], [2.4, -0.2]]])
     bottom = np.concatenate([lower, [[4.0, -0.10], [2.4, -0.18]]])
-    return _both(figure, top, 6.1, 12.0), _both(figure, bottom, 6.1, 12.0)
+    return _both(figure, top, 5.9, 12.0), _both(figure, bottom, 5.9, 12.0)
 
 
 def eyeballs(figure: Figure) -> Manifold:
@@ -91,25 +91,25 @@ def stencils(figure: Figure) -> list[Stencil]:
     """Iris, pupil, reflection, lashes, brows and lips, in the order of painting."""
     upper, _ = _lids(figure)
     woman = figure.female
-    iris = 0.78 if woman else 0.68
+    iris = 0.98 if woman else 0.76
     thick = np.interp(np.linspace(0, 1, len(upper)), [0, 0.4, 1.0], [0.06, 0.22, 0.30] if woman else [0.05, 0.13, 0.13])
     outer = upper + np.array([0.0, 1.0]) * thick[:, None]
     if woman:
         outer[-1] += (0.30, 0.10)
     lash = np.concatenate([upper, outer[::-1]])
-    lift = 0.0 if woman else -0.35
-    brow_low = _arc([(1.35, 1.72 + lift), (2.6, 2.10 + lift), (4.0, 2.25 + lift), (5.35, 1.55 + lift)], 8)
-    brow_high = _arc([(1.40, 2.12 + lift), (2.6, 2.50 + lift), (4.1, 2.52 + lift), (5.40, 1.60 + lift)], 8)
+    lift = 0.0 if woman else -0.40
+    brow_low = _arc([(1.45, 1.95 + lift), (2.6, 2.28 + lift), (4.0, 2.38 + lift), (5.3, 1.80 + lift)], 8)
+    brow_high = _arc([(1.50, 2.30 + lift), (2.6, 2.62 + lift), (4.1, 2.64 + lift), (5.35, 1.86 + lift)], 8)
     if not woman:
         brow_high[:-1, 1] += 0.18
     brow = np.concatenate([brow_low, brow_high[::-1]])
-    wide = 2.15 if woman else 2.35
-    full = 1.0 if woman else 0.75
-    seam = _arc([(-wide, -6.45), (-1.0, -6.58), (0.0, -6.62), (1.0, -6.58), (wide, -6.45)], 13)
-    top = _arc([(-wide, -6.42), (-0.62, -5.98 + 0.35 * (1 - full)), (0.0, -6.12 + 0.25 * (1 - full)),
-                (0.62, -5.98 + 0.35 * (1 - full)), (wide, -6.42)], 13)  # fmt: skip
-    low = _arc([(-wide, -6.48), (-1.0, -7.32 + 0.3 * (1 - full)), (0.0, -7.46 + 0.3 * (1 - full)),
-                (1.0, -7.32 + 0.3 * (1 - full)), (wide, -6.48)], 13)  # fmt: skip
+    wide = 1.85 if woman else 2.2
+    full = 0.9 if woman else 0.55
+    seam = _arc([(-wide, -6.34), (-1.0, -6.60), (0.0, -6.64), (1.0, -6.60), (wide, -6.34)], 13)
+    top = _arc([(-wide, -6.31), (-0.62, -5.98 + 0.35 * (1 - full)), (0.0, -6.12 + 0.25 * (1 - full)),
+                (0.62, -5.98 + 0.35 * (1 - full)), (wide, -6.31)], 13)  # fmt: skip
+    low = _arc([(-wide, -6.37), (-1.0, -7.32 + 0.3 * (1 - full)), (0.0, -7.46 + 0.3 * (1 - full)),
+                (1.0, -7.32 + 0.3 * (1 - full)), (wide, -6.37)], 13)  # fmt: skip
     line = np.concatenate([seam + np.array([0.0, 0.06]), (seam - np.array([0.0, 0.06]))[::-1]])
     skin = {"skin": "lips"}
     return [

@@ -14,7 +14,7 @@ from ahmss.body.skeleton import Skeleton
 
 __all__ = ["Bind", "Figure"]
 
-_ARM_OUT, _ELBOW, _LEG_OUT = 42.0, 12.0, 4.5  # degrees away from upright
+_ARM_OUT, _ELBOW, _LEG_OUT = 31.0, 12.0, 4.5  # degrees away from upright
 _SPREAD = {"index": 6.0, "middle": 0.5, "ring": -5.5, "little": -12.0}  # towards the thumb
 _FLEX = (12.0, 16.0, 10.0)
 

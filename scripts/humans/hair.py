@@ -34,12 +34,14 @@ def _cap(figure: Figure, thick: float) -> Field:
     base = skull(figure)
     v = np.array
     front = half_space(v([2.6, 0.0, -2.0]), v([0.83, 0.0, -0.55]))
-    nape = half_space(v([2.6, 0.0, -2.0]), v([0.60, 0.0, -0.80]))
-    volume = ellipsoid(v([-2.4, 0.0, 4.2]), v([8.6, 7.6, 6.5]))
+    nape = half_space(v([2.6, 0.0, -2.6]), v([0.60, 0.0, -0.80]))
+    volume = ellipsoid(v([-2.4, 0.0, 4.0]), v([8.6, 7.9, 6.6]) if figure.female else v([8.6, 7.6, 6.3]))
+    ear = ellipsoid(v([-0.2, 8.0, -2.2]), v([2.3, 1.7, 3.3] if not figure.female else [1.8, 1.4, 2.6]))
 
     def distance(q: Array) -> Array:
         d = smooth_min(base(q) - thick, volume(q), 1.5)
-        return smooth_max(smooth_max(d, front(q), 0.5), nape(q), 0.8)
+        d = smooth_max(smooth_max(d, front(q), 0.5), nape(q), 0.8)
+        return smooth_max(d, -ear(np.column_stack([q[:, 0], np.abs(q[:, 1]), q[:, 2]])), 0.4)
 
     return distance
 

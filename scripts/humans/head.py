@@ -27,7 +27,7 @@ class Drawing:
     def of(cls, figure: Figure) -> Drawing:
         """The drawing put on the figure's eyes."""
         eye = figure.bind.at("head", figure.skeleton.eye)
-        scale = 0.01 * (1.0 if figure.female else 1.06)
+        scale = 0.01 * (1.03 if figure.female else 1.10)
         return cls(scale, eye - np.array([EYE_FORWARD * scale, 0.0, 0.0]))
 
     def place(self, x: float, y: float, z: float) -> Array:
@@ -44,10 +44,10 @@ class Drawing:
 # Height, half width, front, back (x), for a woman and a man.
 _SKULL = {
     "female": (
-        (-11.6, 0.6, 7.0, 5.6), (-11.2, 1.7, 8.0, 3.6), (-10.4, 2.7, 8.4, 1.2), (-9.0, 3.9, 8.5, -0.6),
-        (-7.0, 5.1, 8.5, -2.0), (-5.0, 5.9, 8.5, -4.6), (-3.0, 6.4, 8.5, -7.6), (-1.0, 6.75, 8.5, -9.2),
+        (-11.2, 0.6, 7.2, 5.6), (-10.8, 1.6, 8.0, 3.8), (-10.0, 2.6, 8.3, 1.4), (-8.7, 3.4, 8.4, -0.4),
+        (-7.0, 4.6, 8.4, -2.0), (-5.0, 5.6, 8.4, -4.6), (-3.0, 6.6, 8.4, -7.6), (-1.0, 6.85, 8.5, -9.2),
         (1.0, 7.0, 8.75, -9.9), (3.0, 7.15, 8.95, -10.1), (5.0, 7.0, 8.7, -9.6), (7.0, 6.1, 7.5, -8.2),
-        (8.6, 4.5, 5.4, -6.0), (9.4, 2.8, 3.2, -3.8), (9.8, 0.6, 0.2, -1.0),
+        (8.3, 4.5, 5.4, -6.0), (9.0, 2.8, 3.2, -3.8), (9.4, 0.6, 0.2, -1.0),
     ),
     "male": (
         (-11.9, 0.8, 7.0, 5.6), (-11.5, 2.3, 8.3, 3.4), (-10.5, 3.6, 8.7, 1.0), (-9.0, 4.8, 8.7, -0.8),
@@ -56,7 +56,7 @@ _SKULL = {
         (8.6, 4.5, 5.3, -6.0), (9.4, 2.8, 3.2, -3.8), (9.8, 0.6, 0.2, -1.0),
     ),
 }  # fmt: skip
-EYE_BALL = (5.95, 2.75, 0.0, 2.05)  # centre and radius
+EYE_BALL = (5.8, 2.95, 0.0, 2.25)  # centre and radius
 
 
 def skull(figure: Figure) -> Field:
@@ -81,17 +81,18 @@ def _blended(parts: list[tuple[Field, float]], base: Field) -> Field:
 def _features(figure: Figure) -> Field:
     """Skull with cheeks, nose, eyelids, lips and ears, drawn on the left half."""
     woman = figure.female
-    big = 0.92 if woman else 1.08
+    big = 0.82 if woman else 1.02
     v = np.array
-    nose_tip = v([9.75, 0.0, -3.55]) if woman else v([9.95, 0.0, -3.75])
+    nose_tip = v([9.65, 0.0, -3.3]) if woman else v([9.95, 0.0, -3.75])
     face = _blended([
-        (ellipsoid(v([5.4, 4.3, -2.9]), v([2.3, 1.9, 1.9])), 2.0),
-        (ellipsoid(v([7.4, 0.0, -10.1]), v([1.35, 1.5, 1.2] if woman else [1.5, 2.1, 1.3])), 1.4),
+        (ellipsoid(v([5.1, 4.2, -3.3]), v([2.5, 2.1, 2.3])), 2.5),
+        (ellipsoid(v([4.9, 2.6, -6.2]), v([2.3, 1.7, 2.1]) if woman else v([2.7, 2.2, 2.6])), 2.0),
+        (ellipsoid(v([7.4, 0.0, -9.8 if woman else -10.1]), v([1.2, 1.3, 1.1] if woman else [1.4, 2.0, 1.3])), 1.4),
         (cone(v([7.75, 0.0, 0.6]), nose_tip, 0.62 * big, 0.66 * big), 0.9),
         (ellipsoid(nose_tip, v([0.85, 0.9, 0.75]) * big), 0.5),
         (ellipsoid(nose_tip + v([-0.95, 1.05 * big, -0.25]), v([0.8, 0.62, 0.6]) * big), 0.5),
     ], skull(figure))  # fmt: skip
-    socket = ellipsoid(v([9.4, 3.0, 0.1]), v([1.75, 2.0, 1.35]))
+    socket = ellipsoid(v([9.4, 3.0, 0.1]), v([1.75, 2.1, 1.5]))
     cx, cy, cz, r = EYE_BALL
     lid = ellipsoid(v([cx, cy, cz]), v([r + 0.12, r + 0.12, r + 0.12]))
     lips = [
@@ -103,8 +104,8 @@ def _features(figure: Figure) -> Field:
     def distance(q: Array) -> Array:
         d = smooth_max(face(q), -socket(q), 0.9)
         if not woman:
-            brow = cone(v([8.3, 1.0, 1.9]), v([7.3, 4.4, 2.0]), 0.55, 0.45)
-            d = smooth_min(d, brow(q), 0.9)
+            brow = cone(v([8.3, 1.0, 1.9]), v([7.3, 4.4, 2.0]), 0.45, 0.4)
+            d = smooth_min(d, brow(q), 1.2)
         d = smooth_min(d, lid(q), 0.35)
         for field, k in lips:
             d = smooth_min(d, field(q), k)

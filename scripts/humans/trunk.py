@@ -9,7 +9,7 @@ from humans.arm import forearm_loft, upper_arm_loft
 from humans.distance import Field, Loft, cone, ellipsoid, half_space, intersect, join, smooth_max, smooth_min
 from humans.figure import Figure
 
-__all__ = ["belt", "collar", "neck_axis", "shirt", "trousers", "trunk_loft"]
+__all__ = ["belt", "collar_plane", "neck_axis", "shirt", "trousers", "trunk_loft"]
 
 _UP, _FORWARD = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 _WAIST = 0.605  # shares of stature: where shirt and trousers meet
@@ -44,30 +44,30 @@ def _shoulder(figure: Figure, thickness: float) -> Field:
     h, joint = figure.height, figure.bind.place("right_upper_arm")
     _, low = neck_axis(figure)
     size = figure.limb * h / 1.76
-    top = joint + np.array([-0.008, 0.12 * abs(joint[1]), 0.004 * h])
-    slope = cone(low + np.array([-0.010, -0.02, 0.0]) * h, top, 0.032 * h + thickness, 0.047 * size + thickness)
-    deltoid = ellipsoid(joint + np.array([0.0, -0.004, -0.006]) * h, np.array([0.057, 0.054, 0.062]) * size + thickness)
-    return join((slope, deltoid), 0.05)
+    top = joint + np.array([-0.010, 0.16 * abs(joint[1]), -0.002 * h])
+    slope = cone(low + np.array([-0.012, -0.020, -0.006]) * h, top, 0.026 * h + thickness, 0.029 * size + thickness)
+    deltoid = ellipsoid(joint + np.array([0.0, -0.006, -0.017]) * h, np.array([0.049, 0.042, 0.054]) * size + thickness)
+    return join((slope, deltoid), 0.04)
 
 
 def shirt(figure: Figure) -> Field:
     """Trunk and sleeves down to the waist."""
     h, thickness = figure.height, 0.006
     body = trunk_loft(figure, thickness, _WAIST - 0.035)
-    upper = upper_arm_loft(figure, thickness + 0.002, -0.12, 1.1 if figure.long_sleeves else 0.52)
+    upper = upper_arm_loft(figure, thickness + 0.002, 0.03, 1.1 if figure.long_sleeves else 0.6)
     shoulder = _shoulder(figure, thickness)
     parts = [upper]
     if figure.long_sleeves:
-        parts.append(forearm_loft(figure, thickness + 0.003, -0.08, 0.94))
+        parts.append(forearm_loft(figure, thickness + 0.003, -0.08, 1.02))
         parts.append(ellipsoid(figure.bind.place("right_lower_arm"),
                                np.full(3, 0.047 * figure.limb * h / 1.76)))  # fmt: skip
     sleeve = join(parts, 0.02)
     chest = _chest(figure, thickness)
 
     def half(p: Array) -> Array:
-        d = smooth_min(body(p), shoulder(p), 0.06)
+        d = smooth_min(body(p), shoulder(p), 0.045)
         d = chest(p, d)
-        return smooth_min(d, sleeve(p), 0.035)
+        return smooth_min(d, sleeve(p), 0.03)
 
     return _neckline(figure, _both(half))
 
@@ -84,25 +84,29 @@ def _chest(figure: Figure, thickness: float):
 
 
 def _neckline(figure: Figure, body: Field) -> Field:
-    """The shirt cut out around the neck, with a short slit in front."""
-    h = figure.height
-    high, low = neck_axis(figure)
-    hole = cone(high, low, figure.neck[1] + 0.004, figure.neck[1] + 0.004)
-    notch = cone(low + np.array([0.045, 0.0, 0.012]) * h, low + np.array([0.075, 0.0, -0.040]) * h, 0.026 * h, 0.004 * h)
-    return lambda p: smooth_max(smooth_max(body(p), -hole(p), 0.004), -notch(p), 0.006)
-
-
-def collar(figure: Figure) -> Field:
-    """A turned-up band around the neck, open in front."""
+    """The shirt with its collar, cut out around the neck, with a short slit in front."""
     h = figure.height
     high, low = neck_axis(figure)
     axis = (high - low) / np.linalg.norm(high - low)
     radius = figure.neck[1]
-    ring = cone(low - 0.02 * axis, low + 0.5 * (high - low), radius + 0.024, radius + 0.006)
-    top = half_space(low + np.array([0.0, 0.0, 0.020]) * h, np.array([0.36, 0.0, 1.0]))
-    bottom = half_space(low + np.array([0.0, 0.0, -0.014]) * h, np.array([-0.30, 0.0, -1.0]))
-    gap = cone(low + np.array([0.03, 0.0, 0.05]) * h, low + np.array([0.072, 0.0, -0.040]) * h, 0.036 * h, 0.004 * h)
-    return lambda p: smooth_max(intersect(intersect(ring, top, 0.006), bottom, 0.006)(p), -gap(p), 0.004)
+    ring = cone(low - 0.016 * h * axis, low + 0.044 * h * axis, radius + 0.034, radius + 0.006)
+    top = half_space(low + np.array([0.0, 0.0, 0.030]) * h, np.array([0.34, 0.0, 1.0]))
+    collar = intersect(intersect(ring, top, 0.006), _below(figure, 0.004), 0.004)
+    hole = cone(high, low, radius + 0.003, radius + 0.003)
+    notch = cone(low + np.array([0.02, 0.0, 0.060]) * h, low + np.array([0.078, 0.0, -0.042]) * h, 0.040 * h, 0.004 * h)
+    return lambda p: smooth_max(smooth_max(smooth_min(body(p), collar(p), 0.004), -hole(p), 0.004), -notch(p), 0.006)
+
+
+def _below(figure: Figure, by: float) -> Field:
+    """The half-space above the collar's lower edge, which falls towards the front, lowered by a distance."""
+    point, up = collar_plane(figure)
+    return half_space(point - by * up, -up)
+
+
+def collar_plane(figure: Figure) -> tuple[Array, Array]:
+    """A point (3,) and the upward normal (3,) of the plane of the collar's lower edge."""
+    up = np.array([0.42, 0.0, 1.0])
+    return neck_axis(figure)[1] + np.array([0.0, 0.0, 0.008]) * figure.height, up / np.linalg.norm(up)
 
 
 def belt(figure: Figure) -> Field:
@@ -121,7 +125,7 @@ def trousers(figure: Figure) -> Field:
     )), 2.15)  # fmt: skip
     shank = Loft(knee, ankle - knee, _FORWARD, _leg(figure, float(np.linalg.norm(ankle - knee)), (
         (-0.05, 5.8, 6.3, 6.2, 0.0), (0.08, 5.8, 5.9, 6.5, 0.0), (0.28, 6.0, 5.5, 7.6, 0.0), (0.5, 5.6, 5.2, 7.2, 0.0),
-        (0.75, 5.1, 5.0, 6.3, 0.0), (0.95, 5.2, 5.4, 6.2, 0.0), (1.04, 5.3, 5.7, 6.3, 0.0),
+        (0.75, 5.1, 5.0, 6.3, 0.0), (0.95, 5.2, 5.4, 6.2, 0.0), (1.10, 5.3, 5.7, 6.3, 0.0),
     )), 2.15)  # fmt: skip
     seat = ellipsoid(hip + np.array([-0.030, 0.004, -0.010]) * h,
                      np.array([0.048, 0.046, 0.052]) * h + 0.004)  # fmt: skip

@@ -15,7 +15,7 @@ from ahmss.body.links import INDEX, LINKS
 from humans.arm import FINGERS, finger_chain, upper_arm_loft
 from humans.distance import cone
 from humans.figure import Figure
-from humans.trunk import trunk_loft
+from humans.trunk import neck_axis, trunk_loft
 
 __all__ = ["skin_weights"]
 
@@ -47,7 +47,10 @@ def _right_half(figure: Figure, p: Array) -> dict[str, Array]:
     trunk, out = {}, {}
     up = p[:, 2]
     waist = _step(up - 0.615 * h, 0.065 * h)
-    neck = _step((p - bind.place("head")) @ np.array([0.35, 0.0, 0.94]) - 0.002 * h, 0.032 * h)
+    high, low = neck_axis(figure)
+    aside = np.linalg.norm(np.cross(p - low, _unit(high - low)), axis=1)
+    neck = _step((p - bind.place("head")) @ np.array([0.35, 0.0, 0.94]) - 0.006 * h, 0.030 * h)
+    neck = neck * np.maximum(_step(figure.neck[1] + 0.025 - aside, 0.02), _step(up - 0.875 * h, 0.01 * h))
     # A thigh begins at the fold of the groin, which climbs outwards to the hip's side.
     fold = np.array([0.12, -0.42, -0.90])
     leg = _step((p - hip) @ (fold / np.linalg.norm(fold)) - 0.004 * h, 0.050 * h)
@@ -89,7 +92,8 @@ def _arm(figure: Figure, p: Array) -> Array:
     beyond = _step((p - shoulder) @ along - 0.004 * h, 0.036 * h)
     nearer = trunk_loft(figure, 0.0)(p) - upper_arm_loft(figure, 0.0, -0.1, 1.1)(p)
     far = _step(-p[:, 1] - abs(shoulder[1]) - 0.045 * h, 0.02 * h)
-    return beyond * np.maximum(_step(nearer - 0.004, 0.030), far)
+    # The fingertips hang higher than this in the bind pose; legs and feet are below.
+    return np.where(p[:, 2] < 0.36 * h, 0.0, beyond * np.maximum(_step(nearer - 0.004, 0.030), far))
 
 
 def _fingers(figure: Figure, p: Array) -> dict[str, Array]:
