@@ -17,7 +17,11 @@ from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError, DataError, WorkspaceError
 
-__all__ = ["AlgorithmFile", "AlgorithmFinder", "ParameterEntry"]
+__all__ = ["AlgorithmFile", "AlgorithmFinder", "NotBuilt", "ParameterEntry"]
+
+
+class NotBuilt(DataError):
+    """The program is to be compiled first; its folder has a Makefile."""
 
 
 class ParameterEntry(msgspec.Struct, forbid_unknown_fields=True):
@@ -130,6 +134,9 @@ class AlgorithmFinder:
             path = self.workspace.inside(folder, script)
         except WorkspaceError as error:
             raise document.error(("argv",), str(error)) from None
+        if not path.is_file() and (folder / "Makefile").is_file():
+            place = f"{self.workspace.label(folder)}"
+            raise NotBuilt(document.label, "argv", f'"{script}" is not built yet; type: make -C {place}')
         if not path.is_file():
             raise document.error(("argv",), f'no file "{script}" in {self.workspace.label(folder)}')
         if argv[0] == "python":

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import msgspec
 
+from ahmss.database.algorithms import NotBuilt
 from ahmss.database.document import one_of
 from ahmss.database.parameter import fill
 from ahmss.database.records import Affordance, AlgorithmEntry, ObjectKind
@@ -17,13 +18,14 @@ __all__ = ["Report", "check"]
 
 
 class Report(msgspec.Struct, frozen=True):
-    """What was looked at and what is wrong, in the order of the folders."""
+    """What was looked at, what is wrong, in the order of the folders, and what is not wrong but worth knowing."""
 
     objects: int
     humans: int
     algorithms: int
     motions: int
     problems: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def check(workspace: Workspace, progress: Callable[[str], None] = lambda _: None) -> Report:
@@ -38,8 +40,10 @@ def check(workspace: Workspace, progress: Callable[[str], None] = lambda _: None
         progress(f"humandb/{name}")
         problems |= dict.fromkeys(_said(lambda name=name: workspace.humans.shape(name)))
     entries = workspace.algorithms.list()
-    problems |= dict.fromkeys(str(entry) for entry in entries if isinstance(entry, DataError))
-    return Report(len(objects), len(humans), len(entries), len(motions), tuple(problems))
+    broken = [entry for entry in entries if isinstance(entry, DataError)]
+    notes = [str(entry) for entry in broken if isinstance(entry, NotBuilt)]
+    problems |= dict.fromkeys(str(entry) for entry in broken if not isinstance(entry, NotBuilt))
+    return Report(len(objects), len(humans), len(entries), len(motions), tuple(problems), tuple(notes))
 
 
 def _object(workspace: Workspace, name: str, motions: set[str]) -> Iterator[str]:

@@ -49,6 +49,8 @@ def check_workspace(directory: Path | None, *, as_json: bool) -> int:
         return len(report.problems)
     for problem in report.problems:
         print(problem)
+    for note in report.notes:
+        print(f"note: {note}")
     print(
         f"{report.objects} objects, {report.humans} humans, {report.algorithms} algorithms, {report.motions} motions: "
         + (f"{len(report.problems)} problems" if report.problems else "nothing is wrong")

@@ -98,6 +98,15 @@ def test_check_tells_every_fault_once(workspace: Workspace) -> None:
         assert sentence in problem
 
 
+def test_what_is_not_built_yet_is_a_note_until_an_object_wants_it(workspace: Workspace) -> None:
+    folder = add_algorithm(workspace, "nod", 'kind = "human"\nargv = ["./nod"]\n')
+    (folder / "Makefile").write_text("")
+    told = 'algorithms/nod/algorithm.toml: argv: "./nod" is not built yet; type: make -C algorithms/nod'
+    assert (check(workspace).problems, check(workspace).notes) == ((), (told,))
+    add_object(workspace, "cup", '[affordances.nod]\nhuman_algorithm = "nod"\n')
+    assert told in check(workspace).problems[0]
+
+
 def test_what_is_shipped_is_whole() -> None:
     report = check(Workspace(CHECKOUT))
     assert report.problems == ()
