@@ -35,7 +35,7 @@ class LiveFeed:
         """Seconds since the shown world was made."""
         return self._source.age()
 
-    def hold(self, paused: bool) -> None:  # noqa: FBT001 - a state, named by its only caller
+    def hold(self, paused: bool) -> None:
         """The world goes on whether somebody looks or not."""
 
     def jump(self, seconds: float) -> None:
@@ -82,7 +82,7 @@ class ReplayFeed:
         """A recording does not age."""
         return 0.0
 
-    def hold(self, paused: bool) -> None:  # noqa: FBT001 - a state, named by its only caller
+    def hold(self, paused: bool) -> None:
         """Stop the clock, or let it go on."""
         self._at, self._since, self._paused = self._now(), time.monotonic(), paused
 

@@ -35,8 +35,9 @@ def plain_figure(skeleton: Skeleton) -> tuple[Surface, ...]:
         ends = [skeleton.tips[link]]
         if link == INDEX["spine"]:  # from shoulder to shoulder
             ends += [skeleton.offsets[INDEX["right_upper_arm"]], skeleton.offsets[INDEX["left_upper_arm"]]]
-        for end in ends:
-            body, out, triangles = _bar(np.asarray(end, float), float(skeleton.radii[link]))
+        for number, end in enumerate(ends):
+            radius = float(skeleton.radii[link]) * (1.0 if number == 0 else 0.4)
+            body, out, triangles = _bar(np.asarray(end, float), radius)
             T = T_world_link[link]
             positions.append(body @ T[:3, :3].T + T[:3, 3])
             normals.append(out @ T[:3, :3].T)

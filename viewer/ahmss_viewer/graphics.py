@@ -21,7 +21,13 @@ _EGL_PLATFORM_DEVICE = 0x313F
 
 
 def find_headless() -> str | None:
-    """`"egl"`, `"osmesa"`, or None: what can draw here without a window. Asks EGL itself, not only for its file."""
+    """`"egl"`, `"osmesa"`, or None: what can draw here without a window. Asks EGL itself, not only for its file.
+
+    What stands in PYOPENGL_PLATFORM is taken, if it is one of the two.
+    """
+    wished = os.environ.get("PYOPENGL_PLATFORM", "")
+    if wished in ("egl", "osmesa"):
+        return wished
     if _egl_answers():
         return "egl"
     return "osmesa" if _library("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so") is not None else None

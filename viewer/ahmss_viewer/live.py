@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -36,8 +36,12 @@ class Stop:
     asked: bool = False
 
 
-def watch(options: ViewOptions, stop: Stop | None = None) -> ViewReport:
+def watch(
+    options: ViewOptions, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None
+) -> ViewReport:
     """Follow a server until `seconds` are over, the snapshot is taken, or a signal (interrupt, terminate) comes.
+
+    `progress` is told the pictures drawn, of 0 that are to be, after each of them.
 
     Raises:
         DataError: a file can't be written.
@@ -51,14 +55,21 @@ def watch(options: ViewOptions, stop: Stop | None = None) -> ViewReport:
         studio = stack.enter_context(Studio(fine=bool(options.fine)))
         source = Live(options.address, keys=options.keys, request=options.request)
         stack.callback(source.close)
-        return _Watch(options, source, studio, held).run()
+        return _Watch(options, source, studio, held, progress).run()
 
 
 class _Watch:
     """One run of the headless viewer."""
 
-    def __init__(self, options: ViewOptions, source: Live, studio: Studio, stop: Stop) -> None:
-        self.options, self.source, self.studio, self.stop = options, source, studio, stop
+    def __init__(
+        self,
+        options: ViewOptions,
+        source: Live,
+        studio: Studio,
+        stop: Stop,
+        progress: Callable[[int, int], None] | None,
+    ) -> None:
+        self.options, self.source, self.studio, self.stop, self.progress = options, source, studio, stop, progress
         self.mirror = Mirror(studio.stage, source.asset, source.skeleton)
         self.aim = Aim(options)
         self.size = (options.size[0] // 2 * 2, options.size[1] // 2 * 2)
@@ -108,6 +119,8 @@ class _Watch:
             self.pace.shown(self.source.age())
             self.report.draws.append(time.perf_counter() - begin)
             self._tile()
+            if self.progress is not None:
+                self.progress(self.pace.pictures, 0)
         else:
             time.sleep(0.05)
         return picture

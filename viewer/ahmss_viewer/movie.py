@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
+import subprocess
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
 from numpy.typing import NDArray
 
-from ahmss.errors import AhmssError, DataError
+from ahmss.errors import DataError
 
 __all__ = ["Movie", "check_writable"]
 
@@ -25,9 +23,10 @@ def check_writable(path: Path) -> None:
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        new = not path.exists()
         with path.open("ab"):
             pass
-        if path.stat().st_size == 0:
+        if new:
             path.unlink()
     except OSError as error:
         raise DataError(path, "", f"can't be written here: {error.strerror}; name another file") from error
@@ -36,36 +35,44 @@ def check_writable(path: Path) -> None:
 class Movie:
     """An H.264 film of fixed rate; pictures (height, width, 3) uint8 of one size, even in both directions.
 
+    `quick` compresses less, so that a running world keeps the cores.
+
     Raises:
         DataError: from the start, `add` or `close`, where the file can't be written (a full disk).
     """
 
     def __init__(self, path: Path, size: tuple[int, int], rate: float, *, quick: bool = False) -> None:
         check_writable(path)
-        self.path, self.frames = path, 0
-        begin: Any = imageio_ffmpeg.write_frames
-        self._writer: Any = begin(
-            str(path), size, fps=rate, codec="libx264", macro_block_size=2, ffmpeg_log_level="error", quality=None,
-            output_params=["-crf", "20", "-preset", "ultrafast" if quick else "veryfast", "-movflags", "+faststart"],
+        self.path, self.frames, self._said = path, 0, ""
+        command = [
+            imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+            "-s", f"{size[0]}x{size[1]}", "-r", f"{rate:g}", "-i", "-", "-an", "-c:v", "libx264", "-pix_fmt", "yuv420p",
+            "-crf", "20", "-preset", "ultrafast" if quick else "veryfast", "-movflags", "+faststart",
+            "-f", "mp4", str(path),
+        ]  # fmt: skip
+        # In a session of its own, so that an interrupt typed at the terminal does not cut the film off.
+        self._ffmpeg = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, bufsize=0,
+            start_new_session=True,
         )  # fmt: skip
-        self._writer.send(None)
 
     def add(self, picture: NDArray[np.uint8]) -> None:
         """Append one picture."""
+        rest = memoryview(np.ascontiguousarray(picture).data).cast("B")
+        pipe = self._ffmpeg.stdin
         try:
-            self._writer.send(np.ascontiguousarray(picture))
-        except (OSError, StopIteration) as error:
-            raise self._fault(error) from error
+            while pipe is not None and len(rest):
+                rest = rest[pipe.write(rest) :]
+        except OSError as error:
+            raise self._fault() from error
         self.frames += 1
 
     def close(self) -> None:
         """Finish the file."""
-        try:
-            self._writer.close()
-        except (OSError, RuntimeError) as error:
-            raise self._fault(error) from error
-        if self.frames and (not self.path.exists() or not self.path.stat().st_size):
-            raise self._fault(OSError("ffmpeg wrote nothing"))
+        if self._ffmpeg.stdin is None or self._ffmpeg.stdin.closed:
+            return
+        if self._end():
+            raise self._fault()
 
     def __enter__(self) -> Movie:
         """The movie itself."""
@@ -76,24 +83,23 @@ class Movie:
         if error is None:
             self.close()
         else:
-            with contextlib.suppress(AhmssError):
-                self.close()
+            self._end()
 
-    def _fault(self, error: BaseException) -> DataError:
+    def _end(self) -> int:
+        """Close the pipe and wait for ffmpeg; its exit code."""
+        pipe, log = self._ffmpeg.stdin, self._ffmpeg.stderr
+        if pipe is not None and not pipe.closed:
+            pipe.close()
+        if log is not None and not log.closed:
+            self._said = log.read().decode("utf-8", "replace")
+            log.close()
+        return self._ffmpeg.wait()
+
+    def _fault(self) -> DataError:
         """One sentence from ffmpeg's many."""
-        text = str(error)
-        reason = "ffmpeg stopped"
-        if "No space left" in text or _is_full(self.path):
-            reason = "the disk is full"
-        elif isinstance(error, OSError) and error.strerror and "pipe" not in error.strerror.lower():
-            reason = error.strerror
+        self._end()
+        lines = [line.strip() for line in self._said.splitlines() if line.strip()]
+        reason = "the disk is full" if "No space left" in self._said else "ffmpeg stopped"
+        if lines and reason == "ffmpeg stopped":
+            reason += f" ({lines[-1][:120]})"
         return DataError(self.path, "", f"the film can't be written: {reason}; free some space or name another file")
-
-
-def _is_full(path: Path) -> bool:
-    """Whether the disk of this path has less than a megabyte left."""
-    try:
-        state = os.statvfs(path.parent)
-    except OSError:
-        return False
-    return state.f_bavail * state.f_frsize < 1 << 20

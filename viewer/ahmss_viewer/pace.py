@@ -24,8 +24,8 @@ class Pace:
         self._recent: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
         self._said = (0.0, "")
 
-    def shown(self, age: float) -> None:
-        """A picture of a world `age` seconds old is finished."""
+    def shown(self, age: float, *, ages: bool = True) -> None:
+        """A picture of a world `age` seconds old is finished; a recording does not age."""
         now = time.perf_counter()
         self.last = min(now - self._at, _PAUSE_S) if self._at else 0.0
         if self._at and now - self._at <= _PAUSE_S:
@@ -33,7 +33,7 @@ class Pace:
             self.pictures += 1
             self._recent.append((now - self._at, age))
         self._at = now
-        if len(self.ages) < _MOST:
+        if ages and len(self.ages) < _MOST:
             self.ages.append(age)
 
     def rate(self) -> float:
@@ -46,5 +46,6 @@ class Pace:
         now = time.perf_counter()
         if self._recent and now - self._said[0] > 0.5:
             age = sum(age for _, age in self._recent) / len(self._recent)
-            self._said = (now, f"{self.rate():.0f} frames/s\nworld {1e3 * age:.0f} ms old")
+            older = f"\nworld {1e3 * age:.0f} ms old" if self.ages else ""
+            self._said = (now, f"{self.rate():.0f} frames/s{older}")
         return self._said[1] or "waiting for the world"

@@ -31,6 +31,7 @@ _HELP = """drag  turn        right drag, shift drag  move        wheel  nearer, 
 f  follow the human        r  find a good view        space  pause the view
 n  names        o  overlay        h  this help        q, escape  close"""
 _REPLAY_HELP = "\nleft, right  one second back, on        home  from the start"
+_HELP_S = 10.0
 _TURN, _ZOOM = 0.008, 0.9
 _DARK = (30, 34, 40, 200)
 
@@ -77,7 +78,8 @@ class _Viewer:
         self.aim = Aim(options)
         self.view = View()
         self.aimed = self.paused = self.closed = False
-        self.names, self.overlay, self.help = options.names, options.overlay, True
+        self.names, self.overlay = options.names, options.overlay
+        self.help: bool | None = None  # nobody has asked: at first it is shown
         self.following: Follower | None = Follower(options.follow) if options.follow else None
         self.begun = time.monotonic()
         self.stale = True
@@ -117,14 +119,15 @@ class _Viewer:
         self.window.flip()
         if fresh:
             self.stage.tick()
-            self.pace.shown(self.feed.age())
+            self.pace.shown(self.feed.age(), ages=isinstance(self.feed, LiveFeed))
 
     def _flats(self, size: tuple[int, int]) -> list[Flat]:
         """What is written over the picture."""
         flats = name_flats(self.stage, self.view, size, self.writer) if self.names else []
         if self.overlay:
             flats.append(self.writer.flat(self._state(), 10, 10))
-        if self.help and (not self.stage.actors or time.monotonic() - self.begun < 8.0 or self.aimed):
+        asked = self.help if self.help is not None else time.monotonic() - self.begun < _HELP_S
+        if asked:
             text = _HELP + (_REPLAY_HELP if isinstance(self.feed, ReplayFeed) else "")
             height = 18 * (text.count("\n") + 1)
             flats.append(self.writer.flat(text, 10, size[1] - height - 30, size=13, paper=_DARK))
@@ -189,7 +192,7 @@ class _Viewer:
         elif symbol == key.O:
             self.overlay = not self.overlay
         elif symbol == key.H:
-            self.help = not self.help
+            self.help = not self.help if self.help is not None else time.monotonic() - self.begun >= _HELP_S
         elif symbol == key.R:
             self.view = self.aim.begin(self.stage, self.painter)
         elif symbol == key.F:

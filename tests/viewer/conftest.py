@@ -1,0 +1,47 @@
+"""What the tests of the viewer draw with; skipped, saying so, where the machine can draw nothing."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ahmss_viewer.graphics import HEADLESS_CURE, find_headless, use_headless
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+if find_headless() is None:
+    pytest.skip(f"nothing draws without a window here; run: {HEADLESS_CURE}", allow_module_level=True)
+use_headless()
+
+from ahmss_viewer.camera import View  # noqa: E402 - OpenGL is bound by use_headless above
+from ahmss_viewer.graphics import Offscreen  # noqa: E402
+from ahmss_viewer.painter import Painter  # noqa: E402
+from ahmss_viewer.stage import Stage  # noqa: E402
+from ahmss_viewer.target import Target  # noqa: E402
+
+Draw = Callable[..., np.ndarray]
+
+
+@pytest.fixture(scope="module")
+def painter() -> Iterator[Painter]:
+    """A painter in a context of its own, for one module: to end a context of EGL ends all others of the process."""
+    with Offscreen():
+        yield Painter()
+
+
+@pytest.fixture
+def draw(painter: Painter) -> Draw:
+    """Draws a stage: (height, width, 3) as signed integers, so that differences are what they seem."""
+
+    def picture(stage: Stage, view: View, size: tuple[int, int] = (320, 240)) -> np.ndarray:
+        target = Target(*size)
+        painter.draw(stage, view, size, target)
+        stage.tick()
+        pixels = target.read().astype(int)
+        target.delete()
+        return pixels
+
+    return picture

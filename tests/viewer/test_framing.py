@@ -1,0 +1,93 @@
+"""The view that is chosen: everything in it, nothing in the way, and it follows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from ahmss_viewer.camera import View, look_at, project
+from ahmss_viewer.figure import plain_figure
+from ahmss_viewer.framing import Follower, best_view, fit, interest, preset
+from ahmss_viewer.glb import read_glb
+from ahmss_viewer.painter import Painter
+from ahmss_viewer.stage import Stage
+from scenes import SKELETON, UNTURNED, WHITE, box_glb, raised
+
+ASPECT = 16 / 9
+SIZE = (1600, 900)
+
+
+@pytest.fixture
+def stage() -> Stage:
+    made = Stage()
+    made.add_human(1, "ken", SKELETON.offsets, plain_figure(SKELETON))
+    made.pose_human(1, *raised(0.5))
+    return made
+
+
+def test_all_points_fit_into_the_picture_and_fill_it() -> None:
+    points = np.random.default_rng(1).uniform(-1.0, 2.0, (60, 3))
+    for azimuth in (0.0, 1.1, 3.0):
+        view = fit(View(azimuth=azimuth, elevation=0.4), points, ASPECT)
+        seen = project(points, view, SIZE)
+        share = seen[:, :2] / SIZE
+        assert (seen[:, 2] > 0).all()
+        assert share.min() > 0.05
+        assert share.max() < 0.95
+        assert np.ptp(share, axis=0).max() > 0.7
+
+
+def test_a_projected_place_lies_right_when_it_is_right_and_up_when_it_is_up() -> None:
+    view = look_at(np.array([-3.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))  # looks along +x: right is -y
+    right, up = project(np.array([[0.0, -0.5, 1.0], [0.0, 0.0, 1.5]]), view, SIZE)
+    assert right[0] > 810
+    assert right[1] == pytest.approx(450)
+    assert up[1] < 440
+    assert up[0] == pytest.approx(800)
+    assert right[2] == pytest.approx(3.0)
+
+
+def test_the_front_of_the_human_is_seen_and_a_wall_before_it_avoided(stage: Stage, painter: Painter) -> None:
+    wanted = interest(stage)
+    assert wanted is not None
+    free = best_view(stage, painter, wanted, ASPECT)
+    place = free.pose()[:3, 3]
+    assert place[0] > 0, "the human faces +x"
+    side = np.sign(place[1])
+    wall = read_glb(box_glb((3.0, 0.1, 4.0), WHITE))
+    stage.add_object(5, "wall", wall, np.array([1.2, side * 0.8, 1.0]), UNTURNED)
+    again = best_view(stage, painter, wanted, ASPECT).pose()[:3, 3]
+    assert np.sign(again[1]) == -side
+
+
+@pytest.mark.parametrize(("name", "way"), [("front", (1, 0)), ("back", (-1, 0)), ("left", (0, 1)), ("right", (0, -1))])
+def test_presets_stand_where_they_say(stage: Stage, name: str, way: tuple[int, int]) -> None:
+    wanted = interest(stage)
+    assert wanted is not None
+    place = preset(name, wanted, ASPECT).pose()[:3, 3]
+    assert place[:2] @ np.array(way) > 1.5
+
+
+def test_following_keeps_the_human_in_the_middle(stage: Stage) -> None:
+    view, follower = View(target=np.array([0.0, 0.0, 0.9]), distance=4.0), Follower("ken")
+    rotations, root = raised(0.0)
+    for step in range(240):
+        stage.pose_human(1, rotations, root + np.array([0.0, min(step, 180) / 60.0, 0.0]))
+        view = follower.step(view, stage, ASPECT, 1 / 60)
+    assert view.target[1] == pytest.approx(3.0, abs=0.4)
+    assert view.azimuth == View().azimuth
+
+
+def test_without_a_name_the_view_rests_until_somebody_leaves_it(stage: Stage) -> None:
+    wanted = interest(stage)
+    assert wanted is not None
+    view, follower = fit(View(), wanted.points, ASPECT), Follower()
+    assert follower.step(view, stage, ASPECT, 0.1) is view
+    rotations, root = raised(0.0)
+    stage.pose_human(1, rotations, root + np.array([0.0, 4.0, 0.0]))
+    for _ in range(200):
+        view = follower.step(view, stage, ASPECT, 1 / 30)
+    now = interest(stage)
+    assert now is not None
+    share = project(now.points, view, SIZE)[:, :2] / SIZE
+    assert share.min() > 0.0
+    assert share.max() < 1.0
