@@ -6,6 +6,7 @@ The format is described in docs/conventions.md. What a file holds is checked her
 from __future__ import annotations
 
 import io
+import tokenize
 import zipfile
 import zlib
 from dataclasses import dataclass, field
@@ -34,6 +35,10 @@ _SHAPES: dict[str, tuple[int, ...]] = {  # without the leading frames
 }
 _OPTIONAL = ("targets",)
 _LARGEST = 256 * 2**20  # bytes of one array once unpacked: some 20 hours at 60 Hz would be hostile, not long
+_UNREADABLE = (  # what zipfile and numpy raise at content that is not theirs, encrypted or hostile
+    OSError, ValueError, EOFError, RuntimeError, MemoryError, SyntaxError, TypeError, KeyError, UnicodeError,
+    zlib.error, zipfile.BadZipFile, tokenize.TokenError,
+)  # fmt: skip
 _FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 _DECIMALS = 6
 _UNIT = 1e-3  # how far from 1 the squared length of a quaternion in a file may be; it is normalised when read
@@ -135,18 +140,20 @@ def _rounded(array: Array) -> Any:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """The raw arrays by name."""
+    """The raw arrays by name; members are read whole first, so that checksums are checked before content."""
+    arrays: dict[str, Any] = {}
     try:
         with zipfile.ZipFile(path) as archive:
             for entry in archive.infolist():
                 if entry.file_size > _LARGEST:
                     raise DataError(path, entry.filename, f"{entry.file_size} bytes; at most {_LARGEST} are allowed")
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+                content = io.BytesIO(archive.read(entry))
+                arrays[entry.filename.removesuffix(".npy")] = np.lib.format.read_array(content, allow_pickle=False)
     except FileNotFoundError:
         raise DataError(path, "", "no such motion file") from None
-    except (OSError, ValueError, EOFError, zlib.error, zipfile.BadZipFile) as error:
+    except _UNREADABLE as error:
         raise DataError(path, "", f"not a motion clip that can be read ({error}); it must be an .npz file") from error
+    return arrays
 
 
 def _check_names(path: Path, arrays: dict[str, Any]) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.motion.contact import speeds
 
 MOCAP = Path(__file__).parents[2].parent / "shared" / "mocap" / "accad_female1"
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
@@ -75,3 +76,19 @@ def read(name: str) -> Motion:
     rotations[:, 0] = multiply(lift, rotations[:, 0])
     root = rotate(lift, values[:, :3]) / 100.0
     return Motion(names, parents, np.array(offsets) / 100.0, rotations, root, 1.0 / step)
+
+
+def foot_points(motion: Motion) -> Array:
+    """Ankle, ball and toe tip of both feet (frames, 2, 3, 3), each at height 0 where it stands.
+
+    The skeleton's joints lie within the feet, so what stands is known by its low speed, not by the floor.
+    """
+    parts = ("Foot", "ToeBase", "ToeBase end")
+    rows = [[motion.names.index(f"{side}{part}") for part in parts] for side in ("Right", "Left")]
+    points = motion.places()[:, rows]
+    speed = speeds(points, motion.rate)
+    for foot in range(2):
+        for part in range(3):
+            height = points[:, foot, part, 2]
+            height -= np.median(height[speed[:, foot, part] < 0.3])
+    return points
