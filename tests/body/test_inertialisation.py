@@ -230,3 +230,15 @@ def test_idle_targets_are_given_back():
     inertialiser.place(pose, root)
     targets = scene((GAZE, (1.0, 0.0, 1.5), None))
     assert inertialiser.step(targets, NO_END) is targets
+
+
+def test_the_first_target_ever_starts_without_a_velocity():
+    pose, root = SKELETON.upright()
+    pose[INDEX["right_lower_arm"]] = turn(0.0, 1.0, 0.0)
+    hand = ends(SKELETON, pose, root)[0]
+    wanted = scene((RIGHT_HAND, hand[:3] + np.array([0.1, 0.0, 0.1]), None))
+    out = run_targets(pose, root, [(wanted, FREE_END)] + [(wanted, NO_END)] * 40)
+    seen = np.array([ends(SKELETON, r, root)[0, :3] for r in out])
+    assert np.linalg.norm(seen[0] - hand[:3]) < 1e-3
+    assert pop(out) < 1.5
+    assert np.linalg.norm(seen - hand[:3], axis=-1).max() < 0.16
