@@ -37,6 +37,7 @@ __all__ = ["Server", "Settings"]
 
 _MOST_IN_A_ROW = 2048
 _LEASES_S = 0.25
+_COMPLAINTS_S = 60.0
 _SHOW_S = 1 / 60
 _STATS = 4096
 _FRAME = bytes([KIND])
@@ -105,7 +106,7 @@ class Server:
         self._busy: deque[float] = deque(maxlen=_STATS)
         self._late: deque[float] = deque(maxlen=_STATS)
         self._frames = self._missed = 0
-        self._next_leases = 0.0
+        self._next_leases = self._next_complaint = 0.0
         self._shown_at = 0.0
         self._stopping = False
         self._latest: schema.Snapshot = self.space.snapshot(0, 0.0)
@@ -510,8 +511,9 @@ class Server:
         return True
 
     def _complain(self, session: Session, error: ProtocolError, now: float) -> None:
-        """Count a message that is none; say so to its sender and, the first time, in the log."""
-        if session.malformed == 0:
+        """Count a message that is none; say so to its sender and, now and then, in the log."""
+        if now >= self._next_complaint:
+            self._next_complaint = now + _COMPLAINTS_S
             self._log(f"a client sends what is no message ({error}); it is told so and otherwise ignored")
         if self._sessions.complain(session, now):
             self._reply(session.identity, schema.Refused(0, str(error)))
