@@ -18,7 +18,9 @@ __all__ = ["Cylinder", "closed", "opened"]
 
 FINGERS = ("index", "middle", "ring", "little")
 SEGMENTS = ("proximal", "intermediate", "distal")
-LEAST, MOST = (-10.0, 0.0, 0.0), (95.0, 105.0, 80.0)  # flexion, degrees
+CURL = (80.0, 105.0, 70.0)  # degrees at knuckle, middle and end joint of a finger that is curled all the way
+MOST = (95.0, 108.0, 80.0)  # degrees that the joints bend at most
+SINK = 0.0015  # metres that the pad of a finger gives way
 OPEN = (14.0, 20.0, 8.0)
 THUMB_LEAST, THUMB_MOST, THUMB_BEND = 25.0, 118.0, 60.0  # degrees from along the hand; the bend back to the fingers
 THUMB_RISE = np.radians(22.0)  # the opposed thumb stands out of the palm and a little towards its own side
@@ -44,22 +46,52 @@ class Cylinder:
 
 
 def closed(skeleton: Skeleton, side: str, cylinder: Cylinder) -> Array:
-    """Rotations (14, 4) of the fingers, in the order of links, each bent until its skin touches the wall."""
+    """Rotations (14, 4) of the fingers, in the order of links, each bent until its skin touches the wall.
+
+    A finger curls as a whole, its joints in the proportions of a pull at the tendon, until one of its links touches;
+    from there on the links beyond go on by themselves until they touch too.
+    """
     rotations = np.tile(IDENTITY, (14, 1))
-    first = fingers(side)[0]
-    hinge = _hinge(side)
+    first, hinge = fingers(side)[0], _hinge(side)
     for finger in FINGERS:
         links = [INDEX[f"{side}_{finger}_{segment}"] for segment in SEGMENTS]
-        q_hand_link, place = IDENTITY, np.zeros(3)
-        for i, link in enumerate(links):
-            place = place + rotate(q_hand_link, skeleton.offsets[link])
-            angles = np.radians(np.linspace(LEAST[i], MOST[i], STEPS))
-            tried = multiply(q_hand_link, from_axis_angle(hinge, angles))
-            turn = from_axis_angle(hinge, _touch(skeleton, link, place, tried, angles, cylinder))
-            rotations[link - first] = turn
-            q_hand_link = multiply(q_hand_link, turn)
+        flexion = np.radians(np.array(CURL)) * np.linspace(0.0, 1.0, STEPS)[:, None]
+        gaps = _gaps(skeleton, links, hinge, flexion, cylinder)
+        bent, touching = _first_touch(flexion, gaps)
+        for joint in range(touching + 1, 3):
+            flexion = np.repeat(bent[None], STEPS, axis=0)
+            flexion[:, joint] = np.linspace(bent[joint], np.radians(MOST[joint]), STEPS)
+            gaps = _gaps(skeleton, links, hinge, flexion, cylinder)
+            bent, _ = _first_touch(flexion, gaps[:, joint:] + SINK)
+        rotations[np.array(links) - first] = from_axis_angle(hinge, bent)
     rotations[:2] = _thumb(skeleton, side, cylinder)
     return rotations
+
+
+def _gaps(skeleton: Skeleton, links: list[int], hinge: Array, flexion: Array, cylinder: Cylinder) -> Array:
+    """The least distance (n, 3) of each link's skin from the wall, for flexions (n, 3) of a finger's joints."""
+    q_hand_link = np.tile(IDENTITY, (len(flexion), 1))
+    place = np.zeros((len(flexion), 3))
+    gaps = np.empty((len(flexion), 3))
+    for i, link in enumerate(links):
+        place = place + rotate(q_hand_link, skeleton.offsets[link])
+        q_hand_link = multiply(q_hand_link, from_axis_angle(hinge, flexion[:, i]))
+        points = place[:, None] + rotate(q_hand_link[:, None], ALONG * skeleton.tips[link])
+        gaps[:, i] = cylinder.clearance(points).min(axis=1) - skeleton.radii[link]
+    return gaps
+
+
+def _first_touch(flexion: Array, gaps: Array) -> tuple[Array, int]:
+    """The first of the flexions (n, 3) at which a gap (n, links) is closed, and which; the last where none is."""
+    least = gaps.min(axis=1)
+    touching = np.flatnonzero(least <= 0.0)
+    if not len(touching):
+        return flexion[-1] if least[-1] < least[0] else flexion[int(np.argmin(least))], 2
+    i = int(touching[0])
+    if i == 0:
+        return flexion[0], int(gaps[0].argmin())
+    share = least[i - 1] / (least[i - 1] - least[i])
+    return flexion[i - 1] + share * (flexion[i] - flexion[i - 1]), int(gaps[i].argmin())
 
 
 def opened(side: str, thumb: Array | None = None) -> Array:

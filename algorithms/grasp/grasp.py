@@ -19,7 +19,7 @@ from ahmss.motion.easing import minimum_jerk
 from fingers import Cylinder, closed, opened  # isort: skip - the file beside this one
 
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
-INTO_FINGERS = 0.02  # metres by which the object lies before the palm's middle, towards the fingers
+INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers
 THERE_BY, OPEN_BY = 0.6, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
 GAZE = 4
 
@@ -99,7 +99,7 @@ def _frames(task: HumanTask, side: str, hand: tuple[Array, Array], palm: tuple[T
     importance = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
     if task.site is not None and not task.parameter("open", False):
         targets[:, GAZE, :3] = task.site.place
-        targets[:, GAZE, 7] = minimum_jerk(np.arange(1, task.length + 1) / (0.4 * task.rate))
+        targets[:, GAZE, 7] = 1.0
     root = np.repeat(task.start.root[None], task.length, axis=0)
     return task.block(rotations, root, importance, targets)
 

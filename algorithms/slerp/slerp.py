@@ -1,7 +1,7 @@
 """From the present pose through the keyframes of a clip by slerp (Ichiguchi 2000, 5.3.3).
 
 Every keyframe is reached at rest along a minimum-jerk profile. Hands with a target go there along their own path, the
-orientation set before the place; the gaze goes first. All frames are computed at the start.
+orientation set before the place; the gaze goes first, from the first frame. All frames are computed at the start.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from ahmss.motion.easing import minimum_jerk
 HANDS = ("right", "left")
 GAZE = 4
 TURNED_BY = 0.75  # share of the time by which a hand has its orientation
-GAZE_SECONDS = 0.5  # a head needs for a usual turn
 
 
 @dataclass(frozen=True)
@@ -130,14 +129,11 @@ def _goal(task: HumanTask) -> Transform:
 
 
 def _gaze(task: HumanTask, staged: Staged, course: Course, base: Transform) -> Array:
-    """The gaze's target (N, 8): there at once, the head following within half a second."""
+    """The gaze's target (N, 8), the next key's from the start: it goes first, as fast as main lets a head turn."""
     local = staged.local[course.key, GAZE]
-    rise = minimum_jerk(np.arange(1, task.length + 1) / (GAZE_SECONDS * task.rate))
     out = np.zeros((task.length, 8))
     out[:, :3] = base.apply(local[:, :3])
-    weights = np.concatenate([[0.0], staged.local[:, GAZE, 7]])
-    fade = weights[course.key] + course.done * (weights[course.key + 1] - weights[course.key])
-    out[:, 7] = np.where(course.key == 0, rise * local[:, 7], fade) * task.parameter("gaze", 1.0)
+    out[:, 7] = local[:, 7] * task.parameter("gaze", 1.0)
     return out
 
 

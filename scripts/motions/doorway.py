@@ -149,7 +149,7 @@ def _targets(site: Transform, palm: Transform, lever: Transform, hold: float) ->
     rows[RIGHT_HAND, :7] = site.inverse().then(palm).row()
     rows[RIGHT_HAND, 7] = minimum_jerk(np.array(hold / 0.9))
     rows[GAZE, :3] = site.inverse().apply(lever.place)
-    rows[GAZE, 7] = minimum_jerk(np.array(hold / 0.25))
+    rows[GAZE, 7] = float(hold > 0.02)
     return rows
 
 

@@ -22,10 +22,11 @@ __all__ = ["clips"]
 OPEN_HAND = Fingers(knuckle=14.0, middle=20.0, end=8.0, thumb=80.0, thumb_bend=0.0, thumb_away=18.0, spread=0.0)
 AROUND = Fingers(knuckle=45.0, middle=45.0, end=25.0, thumb=72.0, thumb_bend=0.0, thumb_away=18.0, spread=0.0)
 GAP = 0.025  # metres between palm and cup where the reach ends and the grasp begins
-INTO_FINGERS = 0.02  # as in algorithms/grasp
+INTO_FINGERS = 0.01  # as in algorithms/grasp
 HEAD = INDEX["head"]
 ORIGIN = "made by scripts/make_motions.py"
 UP = np.array([0.0, 0.0, 1.0])
+UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 LEFT = np.array([0.0, 1.0, 0.0])
 
 
@@ -53,7 +54,7 @@ def clips(skeleton: Skeleton, scene: Scene) -> dict[str, Clip]:
 def look(skeleton: Skeleton) -> Clip:
     """The gaze on the site; nothing else is moved."""
     key = Key(1.0, STANDING, gaze=np.zeros(3))
-    return keyframes(skeleton, "site", {"head": 1.0, "spine": 0.05}, key)
+    return keyframes(skeleton, "site", {"head": 1.0}, key)
 
 
 def reach(skeleton: Skeleton, scene: Scene) -> Clip:
@@ -66,7 +67,7 @@ def reach(skeleton: Skeleton, scene: Scene) -> Clip:
 
 def lift(skeleton: Skeleton, scene: Scene) -> Clip:
     """The cup raised and brought nearer, the body upright again; the targets say where the cup goes."""
-    raised = Transform(np.array([-0.13, -0.02, 0.17]), from_axis_angle(UP, np.radians(LIFT_YAW)))
+    raised = Transform(np.array([-0.13, -0.02, 0.17]), UNTURNED)
     posture = holding(scene, scene.cup.then(raised), HOLDING, EASY)
     return keyframes(skeleton, "site", CARRYING, Key(1.0, posture, raised.row(), np.zeros(3)))
 
@@ -87,7 +88,7 @@ def put(skeleton: Skeleton, scene: Scene) -> Clip:
     """As for the reach, but the cup in the hand; where it goes is the action's goal."""
     grip = on_cup(scene.cup, scene.cup_radius, 0.0)
     posture = replace(AT_TABLE, right_arm=REACHING, right_fingers=AROUND, grips={"right": grip.row()})
-    down = Transform(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    down = Transform(np.zeros(3), UNTURNED)
     return keyframes(skeleton, "site", CARRYING, Key(1.0, posture, down.row(), np.zeros(3)))
 
 
@@ -102,8 +103,7 @@ AT_TABLE = replace(
     STANDING, hips_lean=9.0, lean=9.0, turn=7.0, hips_turn=3.0, nod=4.0, shift=(0.05, -0.005),
     left_arm=Arm(forward=-2.0, aside=9.0, turn_in=5.0, elbow=18.0, pronate=15.0),
 )  # fmt: skip
-# Time, tilt of the cup, nod of the head (degrees), and the arm from which the elbow's place is taken.
-# Time, tilt of the cup, lean of the trunk, nod of the head (degrees), and the arm from which the elbow's place is taken.
+# Time, tilt of the cup, lean of the trunk, nod of the head (degrees), and the arm that says where the elbow is.
 DRINKING = (
     (0.25, 26.0, 5.0, 12.0, AT_MOUTH), (0.45, 42.0, 1.0, 0.0, TILTED), (0.58, 46.0, 0.5, -3.0, TILTED),
     (0.69, 26.0, 4.0, 9.0, AT_MOUTH),
@@ -111,8 +111,8 @@ DRINKING = (
 YAW_ON_CUP = 112.0  # degrees from the cup's x (away from the human) to the palm's
 HAND_DOWN = 0.0  # degrees that the fingers point below the level
 YAW_AT_MOUTH = 62.0  # degrees that the hand turns about the cup's axis on the way to the mouth
-LIFT_YAW = 0.0  # degrees that it turns already while the cup is lifted
-WHOLE = {"": 1.0, "head": 0.05, "left_": 0.3, "left_upper_leg": 1.0, "left_lower_leg": 1.0, "left_foot": 1.0, "root": 1.0}
+WHOLE = {"": 1.0, "head": 0.05, "left_": 0.3, "root": 1.0}
+WHOLE |= {f"left_{link}": 1.0 for link in ("upper_leg", "lower_leg", "foot")}
 # With the cup in the hand the fingers stay as they closed around it.
 CARRYING = WHOLE | {f"right_{finger}": 0.0 for finger in ("thumb", "index", "middle", "ring", "little")}
 
@@ -150,13 +150,12 @@ def _upright_in_face(yaw: float) -> Array:
 
 def _drinking(skeleton: Skeleton, scene: Scene, posture: Posture, rim_in_face: Transform) -> Posture:
     """The posture with the right hand on a cup whose rim is somewhere before the face."""
-    on_site = scene.rim.inverse().then(scene.cup)
-    turned = Transform(np.zeros(3), from_axis_angle(UP, np.radians(LIFT_YAW)))
-    grip_in_rim = on_site.then(turned).then(on_cup(Transform(np.zeros(3), from_axis_angle(UP, 0.0)), scene.cup_radius, 0.0))
+    wall_in_rim = scene.rim.inverse().then(scene.cup)
+    grip_in_rim = wall_in_rim.then(on_cup(Transform(np.zeros(3), UNTURNED), scene.cup_radius, 0.0))
     for _ in range(3):
         rotations, root = pose(skeleton, posture)
         places, world = forward(rotations, root, skeleton.offsets)
-        face = Transform(places[HEAD], world[HEAD]).then(Transform(skeleton.eye, from_axis_angle(UP, 0.0)))
+        face = Transform(places[HEAD], world[HEAD]).then(Transform(skeleton.eye, UNTURNED))
         posture = replace(posture, grips={"right": face.then(rim_in_face).then(grip_in_rim).row()})
     return posture
 
