@@ -83,7 +83,9 @@ def _take(listener: socket.socket, pool: socket.socket, own: int) -> Request | N
     try:
         connection, _ = listener.accept()
     except BlockingIOError:
-        return None
+        return None  # a sibling was quicker
+    except OSError:
+        os._exit(0)  # the listener is shut: the pool has ended
     with connection:
         connection.settimeout(_PATIENCE)
         if not same_user(connection):

@@ -132,6 +132,16 @@ def test_a_python_algorithm_that_crashes_is_told_by_its_signal(warm_launcher, ma
     assert "tells at frame 3: it was killed by SIGABRT" in failure(warm_launcher, process, 4)
 
 
+def test_the_waiting_workers_of_a_pool_that_was_killed_end(own_pool, make_start):
+    with launcher_of(own_pool) as launcher:
+        pool = facts(launcher, launcher.start(tells(), make_start()))["parent"]
+        children = Path(f"/proc/{pool}/task/{pool}/children")
+        assert wait_for(lambda: len(children.read_text().split()) > 8)
+        workers = [int(word) for word in children.read_text().split()]
+        os.kill(pool, signal.SIGKILL)
+    assert wait_for(lambda: all(gone(worker) for worker in workers))
+
+
 def test_a_pool_that_was_killed_is_replaced_and_what_ran_goes_on(own_pool, make_start):
     complaints: list[str] = []
     with launcher_of(own_pool, complaints) as launcher:
