@@ -6,10 +6,10 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
-from humans.distance import Field, Loft, cone, ellipsoid, half_space, intersect, smooth_min
+from humans.distance import Field, Loft, bend, cone, ellipsoid, half_space, intersect, smooth_min
 from humans.figure import Figure
 
-__all__ = ["FINGERS", "arm", "finger_chain", "upper_arm_loft"]
+__all__ = ["FINGERS", "arm", "bare_arm", "finger_chain", "upper_arm_loft"]
 
 FINGERS = {
     "thumb": ("proximal", "distal"),
@@ -23,7 +23,7 @@ def upper_arm_loft(figure: Figure, thickness: float, start: float = -0.1, end: f
     # share of the bone, half width, front, back
     stations = _grown(figure, float(np.linalg.norm(b - a)), thickness, (
         (-0.15, 2.6, 3.6, 3.8), (0.0, 3.7, 4.6, 4.8), (0.12, 4.5, 5.2, 5.4), (0.27, 5.0, 5.5, 5.5), (0.45, 4.7, 5.2, 5.0),
-        (0.7, 4.2, 4.7, 4.4), (0.9, 4.0, 4.0, 4.0), (1.1, 4.0, 3.8, 3.9),
+        (0.7, 4.2, 4.7, 4.4), (0.9, 4.0, 4.0, 4.0), (1.0, 4.1, 3.9, 4.0), (1.3, 4.1, 3.9, 4.0),
     ), start, end)  # fmt: skip
     return Loft(a, b - a, np.array([1.0, 0.0, 0.0]), stations, 2.1)
 
@@ -32,10 +32,18 @@ def forearm_loft(figure: Figure, thickness: float, start: float = -0.1, end: flo
     """The right forearm: round below the elbow, flat at the wrist."""
     a, b = figure.bind.place("right_lower_arm"), figure.bind.place("right_hand")
     stations = _grown(figure, float(np.linalg.norm(b - a)), thickness, (
-        (-0.1, 3.9, 3.9, 3.9), (0.0, 4.1, 4.0, 4.0), (0.18, 4.2, 4.5, 4.3), (0.4, 3.7, 4.2, 4.0),
+        (-0.3, 4.0, 3.9, 4.0), (0.0, 4.1, 3.9, 4.0), (0.18, 4.2, 4.5, 4.3), (0.4, 3.7, 4.2, 4.0),
         (0.7, 2.7, 3.2, 3.2), (0.92, 2.05, 2.8, 2.8), (1.1, 1.95, 2.75, 2.7),
     ), start, end)  # fmt: skip
     return Loft(a, b - a, figure.bind.matrix("right_lower_arm") @ np.array([0.0, 0.0, -1.0]), stations, 2.1)
+
+
+def bare_arm(figure: Figure, thickness: float, start: float, end: float) -> Field:
+    """The right arm without its hand, from a share of the upper arm to a share of the forearm."""
+    a, b, c = (figure.bind.place(f"right_{name}") for name in ("upper_arm", "lower_arm", "hand"))
+    along = (b - a) / np.linalg.norm(b - a) + (c - b) / np.linalg.norm(c - b)
+    upper, lower = upper_arm_loft(figure, thickness, start, 1.25), forearm_loft(figure, thickness, -0.3, end)
+    return bend(upper, lower, b, along, 0.030)
 
 
 def _grown(
@@ -128,9 +136,8 @@ def hand(figure: Figure) -> Field:
 
 def arm(figure: Figure, start: float) -> Field:
     """The right arm's skin from a share of the upper arm to the fingertips."""
-    upper, lower, fingers = upper_arm_loft(figure, 0.0, start), forearm_loft(figure, 0.0, -0.08, 1.06), hand(figure)
+    limb, fingers = bare_arm(figure, 0.0, start, 1.06), hand(figure)
     a, b = figure.bind.place("right_upper_arm"), figure.bind.place("right_lower_arm")
-    elbow = ellipsoid(b, np.full(3, 0.037 * figure.limb * figure.height / 1.76))
     begin = half_space(a + start * (b - a), a - b)
 
     wrist, along = figure.bind.place("right_hand"), figure.bind.matrix("right_lower_arm")[:, 0]
@@ -139,7 +146,7 @@ def arm(figure: Figure, start: float) -> Field:
         s = (p - wrist) @ along
         d = np.full(len(p), 1.0)
         near = s < 0.04
-        d[near] = smooth_min(smooth_min(upper(p[near]), lower(p[near]), 0.012), elbow(p[near]), 0.012)
+        d[near] = limb(p[near])
         far = s > -0.05
         d[far] = smooth_min(d[far], fingers(p[far]), 0.012)
         return d

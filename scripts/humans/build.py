@@ -54,8 +54,7 @@ def _joined(figure: Figure, painting: Painting) -> Manifold:
         parts.append(mesh(hair.hair_band(figure), around, 0.0025, 90, "band"))
     for right in (
         _arm(figure),
-        mesh(shoe.shoe(figure), _right(figure, 0.0, 0.16), 0.004, 220, "shoe"),
-        mesh(shoe.sole(figure), _right(figure, 0.0, 0.05), 0.003, 150, "sole"),
+        mesh(shoe.shoe(figure), _right(figure, 0.0, 0.16), 0.003, 320, "shoe"),
     ):
         parts += [right, right.mirrored()]
     solid = _head(figure, painting)

@@ -9,6 +9,7 @@ from ahmss.body.array import Array
 from humans.arm import FINGERS, finger_chain
 from humans.body import Stencil, prism
 from humans.figure import Figure
+from humans.shoe import SOLE_HEIGHT
 from humans.trunk import collar_plane, neck_axis
 
 __all__ = ["hems", "stencils"]
@@ -17,7 +18,7 @@ __all__ = ["hems", "stencils"]
 def stencils(figure: Figure) -> list[Stencil]:
     """All of them, in the order of painting."""
     own = _polo(figure) if figure.female else _overalls(figure)
-    return [_collar(figure), *own, *_nails(figure)]
+    return [_collar(figure), _soles(), *own, *_nails(figure)]
 
 
 def hems(figure: Figure) -> dict[str, Manifold]:
@@ -63,6 +64,11 @@ def _collar(figure: Figure) -> Stencil:
     across = np.array([0.0, 1.0, 0.0])
     disc = Manifold.cylinder(0.2, 0.115, 0.115, 32)
     return Stencil(disc.transform(np.column_stack([np.cross(across, up), across, up, point])), {"shirt": "collar"})
+
+
+def _soles() -> Stencil:
+    slab = Manifold.cube((1.0, 2.0, 0.1 + SOLE_HEIGHT - 0.003)).translate((-0.5, -1.0, -0.1))
+    return Stencil(slab, {"shoe": "sole"})
 
 
 def _polo(figure: Figure) -> list[Stencil]:

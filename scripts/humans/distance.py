@@ -14,7 +14,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ahmss.body.array import Array
 
-__all__ = ["Field", "Loft", "cone", "ellipsoid", "half_space", "intersect", "join", "offset", "smooth_max", "smooth_min"]
+__all__ = ["Field", "Loft", "bend", "cone", "ellipsoid", "half_space", "intersect", "join", "offset", "smooth_max", "smooth_min"]
 
 Field = Callable[[Array], Array]
 
@@ -45,6 +45,18 @@ def join(fields: Sequence[Field], k: float) -> Field:
 def intersect(a: Field, b: Field, k: float = 1e-4) -> Field:
     """What lies in both fields; the edge between them is rounded over k."""
     return lambda p: smooth_max(a(p), b(p), k)
+
+
+def bend(a: Field, b: Field, joint: Array, along: Array, width: float) -> Field:
+    """One limb from two that meet at a joint: `a` before it, `b` after it, from one to the other within `width`."""
+    n = along / np.linalg.norm(along)
+
+    def distance(p: Array) -> Array:
+        t = np.clip(0.5 + 0.5 * ((p - joint) @ n) / width, 0.0, 1.0)
+        w = t * t * (3.0 - 2.0 * t)
+        return (1.0 - w) * a(p) + w * b(p)
+
+    return distance
 
 
 def offset(a: Field, by: float) -> Field:

@@ -8,7 +8,7 @@ from ahmss.body.array import Array
 from humans.distance import Field, Loft, cone, half_space, intersect, smooth_max, smooth_min
 from humans.figure import Figure
 
-__all__ = ["SOLE_HEIGHT", "shoe", "sole"]
+__all__ = ["SOLE_HEIGHT", "shoe"]
 
 SOLE_HEIGHT = 0.022
 # Along the foot from the heel (shares of its length): half width, sideways shift to the big toe.
@@ -36,7 +36,7 @@ def _outline(figure: Figure, grown: float) -> Field:
     return distance
 
 
-def sole(figure: Figure) -> Field:
+def _sole(figure: Figure) -> Field:
     """The sole, a slab on the floor with the heel a little drawn in."""
     slab = intersect(half_space(np.zeros(3), np.array([0.0, 0.0, -1.0])),
                      half_space(np.array([0.0, 0.0, SOLE_HEIGHT]), np.array([0.0, 0.0, 1.0])))  # fmt: skip
@@ -61,4 +61,9 @@ def shoe(figure: Figure) -> Field:
     shaft = cone(ankle + np.array([-0.008, 0.0, 0.05]) * scale, ankle + np.array([0.0, 0.0, -0.01]) * scale,
                  0.042 * scale, 0.042 * scale)  # fmt: skip
     floor = half_space(np.array([0.0, 0.0, 0.008]), np.array([0.0, 0.0, -1.0]))
-    return lambda p: smooth_max(smooth_min(upper(p), shaft(p), 0.03), floor(p), 0.004)
+    sole = _sole(figure)
+
+    def distance(p: Array) -> Array:
+        return smooth_min(smooth_max(smooth_min(upper(p), shaft(p), 0.03), floor(p), 0.004), sole(p), 0.003)
+
+    return distance

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ahmss.body.array import Array
-from humans.arm import forearm_loft, upper_arm_loft
-from humans.distance import Field, Loft, cone, ellipsoid, half_space, intersect, join, smooth_max, smooth_min
+from humans.arm import bare_arm, upper_arm_loft
+from humans.distance import Field, Loft, bend, cone, ellipsoid, half_space, intersect, join, smooth_max, smooth_min
 from humans.figure import Figure
 
 __all__ = ["belt", "collar_plane", "neck_axis", "shirt", "trousers", "trunk_loft"]
@@ -54,14 +54,11 @@ def shirt(figure: Figure) -> Field:
     """Trunk and sleeves down to the waist."""
     h, thickness = figure.height, 0.006
     body = trunk_loft(figure, thickness, _WAIST - 0.035)
-    upper = upper_arm_loft(figure, thickness + 0.002, 0.03, 1.1 if figure.long_sleeves else 0.6)
     shoulder = _shoulder(figure, thickness)
-    parts = [upper]
     if figure.long_sleeves:
-        parts.append(forearm_loft(figure, thickness + 0.003, -0.08, 1.02))
-        parts.append(ellipsoid(figure.bind.place("right_lower_arm"),
-                               np.full(3, 0.047 * figure.limb * h / 1.76)))  # fmt: skip
-    sleeve = join(parts, 0.02)
+        sleeve = bare_arm(figure, thickness + 0.002, 0.03, 1.02)
+    else:
+        sleeve = upper_arm_loft(figure, thickness + 0.002, 0.03, 0.6)
     chest = _chest(figure, thickness)
 
     def half(p: Array) -> Array:
@@ -117,21 +114,23 @@ def belt(figure: Figure) -> Field:
 def trousers(figure: Figure) -> Field:
     """Hips and legs down to the hem over the shoes."""
     h, bind = figure.height, figure.bind
-    pelvis = trunk_loft(figure, 0.006, 0.47, _WAIST)
+    pelvis = trunk_loft(figure, 0.006, 0.0, _WAIST)
     hip, knee, ankle = (bind.place(f"right_{name}") for name in ("upper_leg", "lower_leg", "foot"))
     thigh = Loft(hip, knee - hip, _FORWARD, _leg(figure, float(np.linalg.norm(knee - hip)), (
         (-0.12, 7.6, 8.2, 9.4, 0.4), (0.0, 8.6, 8.6, 10.0, 0.2), (0.15, 8.9, 9.0, 9.6, 0.0), (0.4, 8.2, 8.9, 8.6, 0.0),
-        (0.7, 6.8, 7.5, 7.2, 0.0), (0.9, 6.0, 6.6, 6.4, 0.0), (1.05, 5.7, 6.3, 6.2, 0.0),
+        (0.7, 6.8, 7.5, 7.2, 0.0), (0.9, 6.1, 6.7, 6.4, 0.0), (1.0, 5.9, 6.4, 6.2, 0.0), (1.3, 5.8, 6.2, 6.2, 0.0),
     )), 2.15)  # fmt: skip
     shank = Loft(knee, ankle - knee, _FORWARD, _leg(figure, float(np.linalg.norm(ankle - knee)), (
-        (-0.05, 5.8, 6.3, 6.2, 0.0), (0.08, 5.8, 5.9, 6.5, 0.0), (0.28, 6.0, 5.5, 7.6, 0.0), (0.5, 5.6, 5.2, 7.2, 0.0),
+        (-0.3, 5.9, 6.4, 6.2, 0.0), (0.0, 5.9, 6.3, 6.2, 0.0), (0.10, 5.8, 5.9, 6.6, 0.0), (0.28, 6.0, 5.5, 7.6, 0.0), (0.5, 5.6, 5.2, 7.2, 0.0),
         (0.75, 5.1, 5.0, 6.3, 0.0), (0.95, 5.2, 5.4, 6.2, 0.0), (1.10, 5.3, 5.7, 6.3, 0.0),
     )), 2.15)  # fmt: skip
     seat = ellipsoid(hip + np.array([-0.030, 0.004, -0.010]) * h,
                      np.array([0.048, 0.046, 0.052]) * h + 0.004)  # fmt: skip
 
+    limb = bend(thigh, shank, knee, ankle - hip, 0.045)
+
     def leg(p: Array) -> Array:
-        return smooth_min(smooth_min(thigh(p), shank(p), 0.02), seat(p), 0.05)
+        return smooth_min(limb(p), seat(p), 0.05)
 
     return lambda p: smooth_min(pelvis(p), _both(leg)(p), 0.045)
 
