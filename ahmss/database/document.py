@@ -49,6 +49,8 @@ class Document:
             self.data: dict[str, Any] = msgspec.toml.decode(self.text)
         except msgspec.DecodeError as error:
             raise DataError(label, "", f"not TOML: {error}") from None
+        except RecursionError:
+            raise DataError(label, "", "nested too deeply") from None
         self._refuse_infinite(self.data, ())
 
     def _read(self) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.database.condition import parse_condition
 from ahmss.database.document import Document, one_of
+from ahmss.database.freshness import Watched
 from ahmss.database.records import Affordance, Contained, ObjectKind, Quaternion, Site, State, Vector
 from ahmss.database.workspace import Workspace
 from ahmss.errors import WorkspaceError
@@ -89,7 +90,7 @@ class ObjectFile(msgspec.Struct, forbid_unknown_fields=True):
     contains: list[dict[str, Any]] = []
 
 
-def read_object(workspace: Workspace, path: Path, files: set[Path]) -> ObjectKind:
+def read_object(workspace: Workspace, path: Path, files: Watched) -> ObjectKind:
     """The kind that object.toml at `path` describes; every file read is added to `files`.
 
     Raises:
@@ -107,7 +108,7 @@ class _Reader:
         self.folder = document.path.parent
         self.error = document.error
 
-    def kind(self, files: set[Path]) -> ObjectKind:
+    def kind(self, files: Watched) -> ObjectKind:
         top = self.document.convert(self.document.data, ObjectFile)
         name = self.folder.name
         if top.name is not None and top.name != name:
@@ -136,7 +137,7 @@ class _Reader:
         except WorkspaceError as error:
             raise self.error(place, str(error)) from None
 
-    def _properties(self, value: str | dict[str, Any], files: set[Path]) -> dict[str, Any]:
+    def _properties(self, value: str | dict[str, Any], files: Watched) -> dict[str, Any]:
         if isinstance(value, dict):
             return value
         path = self._path(value, ("properties",))
@@ -241,6 +242,8 @@ class _Reader:
             state = states.get(clause.state)
             if state is None:
                 raise self.error(place, f'no state "{clause.state}"; this object has: {", ".join(states) or "none"}')
+            if not state.values and isinstance(clause.value, str):
+                raise self.error(place, f'"{clause.state}" is a number, never "{clause.value}"')
             if state.values and clause.value not in state.values:
                 raise self.error(place, f'"{clause.state}" is never "{clause.value}"; allowed: {state.allowed}')
         return condition

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
 
 from ahmss.database.document import one_of
-from ahmss.database.freshness import Fresh
+from ahmss.database.freshness import Fresh, Watched
 from ahmss.database.objectfile import NAME, read_object
 from ahmss.database.placement import Placed, expand
 from ahmss.database.records import ObjectKind, Quaternion, Vector
@@ -33,6 +34,7 @@ class ObjectDatabase:
     def __init__(self, workspace: Workspace) -> None:
         self.workspace = workspace
         self.root = workspace.root / "objectdb"
+        self._root = str(self.root)
         self._kinds: Fresh[ObjectKind] = Fresh()
         self._shapes = ShapeLoader(workspace)
 
@@ -50,12 +52,12 @@ class ObjectDatabase:
             CommandError: there is no such kind.
             DataError: its file is wrong.
         """
-        path = self.root / name / "object.toml"
-        if not NAME.fullmatch(name) or not path.is_file():
+        path = Path(f"{self._root}/{name}/object.toml")
+        if not NAME.fullmatch(name) or not os.path.isfile(path):
             raise CommandError(f'no kind of object "{name}"{one_of(name, self.names())}')
         return self._kinds.get(name, (path,), lambda files: self._read(path, files))
 
-    def _read(self, path: Path, files: set[Path]) -> ObjectKind:
+    def _read(self, path: Path, files: Watched) -> ObjectKind:
         label = self.workspace.label(path)
         if not path.resolve().is_relative_to(self.workspace.root):
             raise DataError(label, "", "is a link that leads out of the workspace; copy it in")

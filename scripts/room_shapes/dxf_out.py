@@ -1,4 +1,4 @@
-"""Writing DXF by hand, so that a shape is always the same bytes: layers with true colours, polyfaces, a polygon mesh."""
+"""Writing DXF by hand, so that a shape is always the same bytes: coloured layers, polyfaces, a polygon mesh."""
 
 from __future__ import annotations
 

@@ -99,6 +99,7 @@ def test_an_action_is_afforded_while_its_condition_holds(
         ('["goal_position"]', '["goal_positon"]', "affordances.grasp.asks"),
         ("lamp == on and", "light == on and", 'no state "light"; this object has: lamp, level'),
         ("lamp == on and", "lamp == bright and", '"lamp" is never "bright"; allowed: off, on'),
+        ("level > 0.2", "level > high", '"level" is a number, never "high"'),
         ("lamp == on and", "lamp is on and", "is no condition; write STATE == VALUE"),
         ("needs = { reach", "needs = { height", 'no need "height"'),
         ('hold = "take"', 'hold = "grab"', "affordances.grasp.hold"),
