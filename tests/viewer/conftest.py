@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 from ahmss_viewer.graphics import HEADLESS_CURE, find_headless, use_headless
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 if find_headless() is None:
     pytest.skip(f"nothing draws without a window here; run: {HEADLESS_CURE}", allow_module_level=True)

@@ -11,9 +11,10 @@ from ahmss_viewer.bench import display_rate
 from ahmss_viewer.movie import Movie, check_writable
 from ahmss_viewer.sheet import Sheet, layout
 from PIL import Image
-from scenes import decode, record
 
 from ahmss.errors import CommandError, DataError
+
+from .scenes import decode, record
 
 
 def test_a_film_holds_every_frame_at_the_rate_of_the_recording(tmp_path: Path) -> None:

@@ -10,7 +10,8 @@ from ahmss_viewer.framing import Follower, best_view, fit, interest, preset
 from ahmss_viewer.glb import read_glb
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
-from scenes import SKELETON, UNTURNED, WHITE, box_glb, raised
+
+from .scenes import SKELETON, UNTURNED, WHITE, box_glb, raised
 
 ASPECT = 16 / 9
 SIZE = (1600, 900)

@@ -10,9 +10,10 @@ import pytest
 import trimesh
 from ahmss_viewer.glb import read_glb
 from ahmss_viewer.surface import corner_normals
-from scenes import RED, box_glb
 
 from ahmss.errors import ProtocolError
+
+from .scenes import RED, box_glb
 
 
 def glb(tree: dict[str, object], binary: bytes) -> bytes:

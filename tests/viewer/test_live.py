@@ -13,11 +13,12 @@ from ahmss_viewer.app import ViewOptions, ViewReport, view
 from ahmss_viewer.live import Stop, watch
 from ahmss_viewer.source import Live
 from PIL import Image
-from scenes import RED, SKELETON, box_glb, decode, raised
 
 from ahmss.world.client import WorldClient
 from ahmss.world.process import ServerProcess
 from ahmss.world.schema import NewObject
+
+from .scenes import RED, SKELETON, box_glb, decode, raised
 
 
 @contextmanager

@@ -10,11 +10,12 @@ from ahmss_viewer.figure import plain_figure
 from ahmss_viewer.glb import read_glb
 from ahmss_viewer.names import name_flats
 from ahmss_viewer.stage import Stage
-from conftest import Draw
-from scenes import GREEN, RED, SKELETON, UNTURNED, WHITE, box_glb, floor_glb, png, raised
 
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle
+
+from .conftest import Draw
+from .scenes import GREEN, RED, SKELETON, UNTURNED, WHITE, box_glb, floor_glb, png, raised
 
 VIEW = look_at(np.array([3.0, -1.2, 1.7]), np.array([0.0, 0.0, 0.6]))
 SIZE = (320, 240)

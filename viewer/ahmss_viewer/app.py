@@ -14,8 +14,7 @@ def view(options: ViewOptions, progress: Callable[[int, int], None] | None = Non
 
     Args:
         options: what to view and how.
-        progress: told the frames done and all frames while a recording is drawn into files; of a server, the
-            pictures drawn and 0.
+        progress: told the frames done and all frames, while a recording is drawn into files.
 
     Raises:
         DataError: a recording can't be read, or a file not be written.
@@ -36,7 +35,7 @@ def view(options: ViewOptions, progress: Callable[[int, int], None] | None = Non
         use_headless()
         from ahmss_viewer.live import watch
 
-        return watch(options, progress=progress)
+        return watch(options)
     from ahmss_viewer.graphics import use_window
 
     use_window()

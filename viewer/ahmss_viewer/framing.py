@@ -14,7 +14,7 @@ from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Actor, Stage
 from ahmss_viewer.target import Target
 
-__all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset"]
+__all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset", "shape_of"]
 
 _SIDES = (40, -40, 60, -60, 22, -22, 85, -85, 120, -120)  # degrees from straight in front
 _HEIGHTS = (14, 27)
@@ -90,6 +90,13 @@ def fit(view: View, points: Array, aspect: float, filled: float = 0.74) -> View:
         middle = 0.5 * (low + high) - np.array([0.5 * aspect, 0.5])
         view = view.pan(float(middle[0]), float(-middle[1])).zoom(float(max((high - low) / (filled * np.array(size)))))
     return view
+
+
+def shape_of(view: View, points: Array) -> float:
+    """Width over height of what the view shows of these points."""
+    seen = project(points, view, (1000, 1000))[:, :2]
+    width, height = np.ptp(seen, axis=0)
+    return float(width / max(float(height), 1.0))
 
 
 def preset(name: str, wanted: Interest, aspect: float) -> View:

@@ -43,8 +43,7 @@ class Mirror:
         self._surfaces: dict[tuple[str, str], tuple[Surface, ...]] = {}
         self._objects: dict[int, tuple[Any, ...]] = {}
         self._humans: dict[int, tuple[Any, ...]] = {}
-        self._ids = np.zeros(0, np.uint32)
-        self._poses: Array = np.zeros((0, 7))
+        self._poses: Array | None = None
         self._revision = -1
 
     def show(self, world: World) -> None:
@@ -69,16 +68,14 @@ class Mirror:
                 pose = world.pose(record.name)
                 self.stage.add_object(record.id, record.name, self._shape(record), pose[:3], pose[3:])
                 self._objects[record.id] = wanted[record.id]
-        self._ids = np.zeros(0, np.uint32)
+        self._poses = None
 
     def _place_objects(self, world: World) -> None:
         """Move what is not where it was at the last picture."""
         ids, poses = world.poses()
-        if not np.array_equal(ids, self._ids):
-            self._ids, self._poses = ids.copy(), np.full_like(poses, np.nan)
-        if poses is self._poses:
-            return
-        for row in np.flatnonzero((poses != self._poses).any(axis=1)):
+        known = self._poses
+        changed = np.arange(len(ids)) if known is None else np.flatnonzero((poses != known).any(axis=1))
+        for row in changed:
             if int(ids[row]) in self.stage.things:
                 self.stage.move_object(int(ids[row]), poses[row, :3], poses[row, 3:])
         self._poses = poses.copy()

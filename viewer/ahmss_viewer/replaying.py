@@ -11,7 +11,8 @@ import numpy as np
 
 from ahmss.errors import CommandError, DataError
 from ahmss_viewer.aim import Aim
-from ahmss_viewer.framing import Interest, interest
+from ahmss_viewer.camera import View
+from ahmss_viewer.framing import Interest, fit, interest, shape_of
 from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.movie import Movie, check_writable
 from ahmss_viewer.options import ViewOptions, ViewReport
@@ -21,7 +22,8 @@ from ahmss_viewer.studio import Studio
 
 __all__ = ["replay"]
 
-_TILE = 320  # the width of a sheet's tile
+_TILE = 340  # the width of a tile of 16:9; one of another shape has its area
+_TILE_SHAPES = (0.75, 16 / 9)  # of what width over height a tile may be
 _TILES = 24
 _GLANCES, _MOMENTS = 40, 6  # ticks that are looked at to find the view
 
@@ -59,12 +61,15 @@ class _Run:
         if options.seconds is not None:
             self.last = min(self.last, max(0, round(options.seconds * source.rate) - 1))
         self.report = ViewReport(str(source.path), self.size)
+        self.tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
+        self.tile_view: View | None = None
 
     def run(self) -> ViewReport:
         """The view first, then the pictures."""
         wanted = self._survey()
         self._show(0)
-        self.aim.begin(self.studio.stage, self.studio.painter, wanted, self._moments())
+        view = self.aim.begin(self.studio.stage, self.studio.painter, wanted, self._moments())
+        self._choose_tile(view, wanted)
         start = time.perf_counter()
         if self.options.record is not None or self.options.sheet is not None:
             self._film()
@@ -78,22 +83,37 @@ class _Run:
     def _survey(self) -> Interest | None:
         """What is of interest in the whole motion, glanced at here and there; None where the options fix the camera."""
         found: Interest | None = None
+        peopled = False
         for tick in np.unique(np.linspace(0, self.last, _GLANCES).astype(int)):
             self._show(int(tick))
             now = interest(self.studio.stage, self.options.follow)
-            if now is not None:
-                found = now if found is None else found.joined(now)
+            if now is None or (peopled and not self.studio.stage.actors):
+                continue  # before the humans came
+            if self.studio.stage.actors and not peopled:
+                peopled, found = True, None
+            found = now if found is None else found.joined(now)
         if self.options.follow and not any(a.name == self.options.follow for a in self.studio.stage.actors.values()):
             there = ", ".join(a.name for a in self.studio.stage.actors.values()) or "none"
             raise CommandError(f'no human "{self.options.follow}" to follow in {self.source.path}; there is: {there}')
         return found
+
+    def _choose_tile(self, view: View, wanted: Interest | None) -> None:
+        """A tile is small: it takes the shape of what is to be seen, where the options leave the camera free."""
+        options = self.options
+        free = options.camera == "auto" and not (options.follow or options.position or options.look_at)
+        if wanted is None or not free:
+            return
+        aspect = float(np.clip(shape_of(view, wanted.points), *_TILE_SHAPES))
+        height = np.sqrt(_TILE * _TILE * 9 / 16 / aspect)
+        self.tile = (round(aspect * height), round(height))
+        self.tile_view = fit(view, wanted.points, self.tile[0] / self.tile[1], 0.9)
 
     def _moments(self) -> Iterator[Interest]:
         """Some moments of the motion, each on the stage when it is given."""
         for tick in np.unique(np.linspace(0, self.last, _MOMENTS).astype(int)):
             self._show(int(tick))
             now = interest(self.studio.stage, self.options.follow)
-            if now is not None:
+            if now is not None and self.studio.stage.actors:
                 yield now
 
     def _film(self) -> None:
@@ -101,7 +121,6 @@ class _Run:
         options, rate = self.options, self.source.rate
         every = options.every or max(1, round((self.last + 1) / _TILES))
         sheet = Sheet(title=f"{self.source.path.name}   every {every} of {self.last + 1} frames at {rate:g} a second")
-        tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
         with ExitStack() as stack:
             movie = None
             if options.record is not None:
@@ -117,7 +136,7 @@ class _Run:
                     movie.add(picture)
                     self.report.pictures += 1
                 if options.sheet is not None and tick % every == 0:
-                    small = self.studio.picture(view, tile, names=options.names, best=True)
+                    small = self.studio.picture(self.tile_view or view, self.tile, names=options.names, best=True)
                     sheet.add(small, self.source.world.tick, tick / rate)
                     self.report.pictures += movie is None
                 if self.progress is not None:

@@ -1,0 +1,1 @@
+"""The viewer, headless and in a window."""
