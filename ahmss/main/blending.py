@@ -28,6 +28,7 @@ _LEAST = 1e-3  # the importance that a target has at least, for the sake of a mo
 _JUMP = 0.2  # a joint of which more than this share changes hands in one frame has a new source
 _NO_TARGETS = np.zeros((5, 8))
 _NOTHING = np.zeros(49)
+_EACH = np.arange(5)
 _NO_JOINT, _NO_END = np.zeros(43, bool), np.zeros(5, bool)
 _WEIGHTS = slice(227, 260, 8)
 _DRIVEN_IMPORTANCE = 176 + _DRIVEN
@@ -62,6 +63,11 @@ class Contribution:
         """Its next frame has not come: it stays where it is."""
         self.previous_root = self.row[_ROOT]
 
+    @property
+    def claims(self) -> tuple[int, bytes, bytes]:
+        """What it claims of the body: equal claims in two frames mean that nothing changes hands."""
+        return self.number, self.row[_IMPORTANCE].tobytes(), self.row[_WEIGHTS].tobytes()
+
 
 class Blending:
     """One human's pose, frame after frame.
@@ -80,20 +86,28 @@ class Blending:
         self.rotations, self.root = rotations.copy(), root.copy()
         self.grips = grips(self.skeleton, rotations, root)
         self._source, self._source_root = self.rotations, self.root
+        self._claims: list[tuple[int, bytes, bytes]] = []
         self._shares: dict[int, Array] = {}
+        self._owned, self._all_owned, self._any_target = np.zeros(44, bool), False, False
+        self._unseen: list[Array] = []
+        self._merge = _NO_MERGE
         self._inertialiser.place(self.rotations, self.root)
         self._targets.place(self.rotations, self.root)
 
     @property
     def resting(self) -> bool:
         """Whether nothing moves without a motion."""
-        return not self._shares and self._inertialiser.settled and self._targets.settled
+        return not self._claims and self._inertialiser.settled and self._targets.settled
 
     def step(self, motions: Sequence[Contribution]) -> None:
         """Make the next frame out of the motions' newest ones; with none the body comes to rest."""
         if not motions and self.resting:
             return
-        joints, root_switched, ends = self._switches(motions)
+        claims = [motion.claims for motion in motions]
+        joints, root_switched, ends = _NO_JOINT, False, _NO_END
+        if claims != self._claims:
+            self._claims = claims
+            joints, root_switched, ends = self._switches(motions)
         if joints is not _NO_JOINT:  # what nobody drives from now on stays where it is seen
             self._source = np.where(joints[:, None], self.rotations, self._source)
         if root_switched:
@@ -103,24 +117,33 @@ class Blending:
             targets = self._follow(motions[0])
         elif motions:
             targets = self._blend(motions)
-        rotations, root = self._inertialiser.step(self._source, self._source_root, joints, root_switched)
-        targets = self._targets.step(targets, ends)
-        if targets[:, 7].any():
+        rotations, root = self._source, self._source_root
+        if joints is not _NO_JOINT or root_switched or not self._inertialiser.settled:
+            rotations, root = self._inertialiser.step(rotations, root, joints, root_switched)
+        targets = self._smooth(targets, ends)
+        if self._any_target:
             rotations = solve(self.skeleton, rotations, root, targets)
         self._inertialiser.settle(rotations, root)
         self._targets.settle(rotations, root)
         self.rotations, self.root = rotations, root
         self.grips = grips(self.skeleton, rotations, root)
 
+    def _smooth(self, targets: Array, ends: Rows) -> Array:
+        """The targets after inertialisation, which is not asked while nothing decays."""
+        if ends is _NO_END and self._targets.settled:
+            self._unseen = [*self._unseen[-1:], targets]
+            return targets
+        for unseen in self._unseen:  # a change goes on from the last two frames
+            self._targets.step(unseen, _NO_END)
+        self._unseen = []
+        return self._targets.step(targets, ends)
+
     def _follow(self, motion: Contribution) -> Array:
-        """One motion alone: its joints as they are, on the hemisphere of the last ones; returns its targets."""
+        """One motion alone: its joints as they are; returns its targets."""
         row = motion.row
         rotations = row[_ROTATIONS].reshape(43, 4)
-        importance = row[_IMPORTANCE]
-        rotations = rotations * np.copysign(1.0, np.einsum("jc,jc->j", rotations, self._source))[:, None]
-        owned = importance > _NOBODY
-        self._source = rotations if owned.all() else np.where(owned[:43, None], rotations, self._source)
-        if owned[43]:
+        self._source = rotations if self._all_owned else np.where(self._owned[:43, None], rotations, self._source)
+        if self._owned[43]:
             self._source_root = row[_ROOT]
         return row[_TARGETS].reshape(5, 8)
 
@@ -136,16 +159,16 @@ class Blending:
         elif len(owners):
             increments = rows[:, _ROOT] - np.array([motion.previous_root for motion in motions])
             self._source_root = blend_root(increments, importance[:, 43], self._source_root)
-        return _merge(rows[:, _TARGETS].reshape(-1, 5, 8), importance)
+        return self._merge.merge(rows[:, _TARGETS].reshape(-1, 5, 8))
 
     def _switches(self, motions: Sequence[Contribution]) -> tuple[Rows, bool, Rows]:
         """Which joints (43,), whether the root, and which targets (5,) have another source than a frame before."""
         before, shares = self._shares, _shares(motions)
         self._shares = shares
-        if len(shares) == 1 and shares.keys() == before.keys():
-            (number,) = shares
-            if np.array_equal(shares[number], before[number]):
-                return _NO_JOINT, False, _NO_END
+        total = sum(shares.values(), _NOTHING)
+        self._owned = total[:44] > 0.0
+        self._merge = _Merge(motions) if len(motions) > 1 else _NO_MERGE
+        self._all_owned, self._any_target = bool(self._owned.all()), bool(total[44:].any())
         change, gone = np.zeros(49), np.zeros(5)
         for number in shares.keys() | before.keys():
             now, then = shares.get(number, _NOTHING), before.get(number, _NOTHING)
@@ -187,23 +210,32 @@ def _gains_one_owner(shares: dict[int, Array], before: dict[int, Array]) -> bool
     return owners == 1 and sum(1 for share in before.values() if share[43] > 0.0) > 1
 
 
-def _merge(targets: Array, importance: Array) -> Array:
-    """Several motions' targets (n, 5, 8) as one (5, 8), by weight and the importance of the link that each drives.
+class _Merge:
+    """Several motions' targets as one, by weight and the importance of the link that each drives.
 
     A target that one motion alone gives keeps its weight: averages dilute contact.
     """
-    share = targets[..., 7] * np.maximum(importance[:, _DRIVEN], _LEAST)
-    total = share.sum(axis=0)
-    if not total.any():
-        return _NO_TARGETS
-    share = share / np.where(total > 0.0, total, 1.0)
-    first = targets[share.argmax(axis=0), np.arange(5)]
-    merged = np.empty((5, 8))
-    merged[:, :3] = np.einsum("nt,ntc->tc", share, targets[..., :3])
-    turns = targets[..., 3:7]
-    sign = np.copysign(1.0, np.einsum("ntc,tc->nt", turns, first[:, 3:7]))
-    merged[:, 3:7] = np.einsum("nt,ntc->tc", share * sign, turns)
-    length = np.sqrt(np.einsum("tc,tc->t", merged[:, 3:7], merged[:, 3:7]))
-    merged[:, 3:7] /= np.where(length > _NOBODY, length, 1.0)[:, None]
-    merged[:, 7] = targets[..., 7].max(axis=0)
-    return merged
+
+    def __init__(self, motions: Sequence[Contribution]) -> None:
+        weights = np.array([motion.row[_WEIGHTS] for motion in motions])
+        share = weights * np.maximum([motion.row[_DRIVEN_IMPORTANCE] for motion in motions], _LEAST)
+        total = share.sum(axis=0)
+        self._share = share / np.where(total > 0.0, total, 1.0)
+        self._first = share.argmax(axis=0)
+        self._weights = weights.max(axis=0)
+        self._mixed = np.flatnonzero((share > 0.0).sum(axis=0) > 1)
+
+    def merge(self, targets: Array) -> Array:
+        """(n, 5, 8) as (5, 8)."""
+        merged = targets[self._first, _EACH]
+        for end in self._mixed:
+            share, turns = self._share[:, end], targets[:, end, 3:7]
+            merged[end, :3] = share @ targets[:, end, :3]
+            turn = (share * np.copysign(1.0, turns @ merged[end, 3:7])) @ turns
+            length = float(np.sqrt(turn @ turn))
+            merged[end, 3:7] = turn / length if length > _NOBODY else turn
+        merged[:, 7] = self._weights
+        return merged
+
+
+_NO_MERGE = _Merge([Contribution(0, np.zeros(260))])

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,6 @@ __all__ = ["has_display", "run_demo"]
 _SCRIPT = Path("examples") / "table.txt"
 _LIVE_SIZE = "640x480"
 _FILM_SIZE = (1280, 720)
-_VIEWER_STARTS_S = 3.0
 _VIEWER_ENDS_S = 20.0
 
 
@@ -67,8 +65,7 @@ def _play(script: Path, root: Path, recording: Path) -> tuple[PlayReport, dict[s
     with ServerProcess(recording=recording) as server:
         viewer = _watch(server.address)
         try:
-            time.sleep(_VIEWER_STARTS_S)  # the picture is there before the human moves
-            report = play_script(script, PlaySetup(server=server.address, workspace=root))
+            report = play_script(script, PlaySetup(server=server.address, workspace=root, stay=True))
         finally:
             live = _end(viewer)
     return report, live

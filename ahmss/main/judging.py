@@ -41,7 +41,7 @@ def judge(path: Path) -> list[str]:
     """One line for each human of a recording."""
     lines: list[str] = []
     with Reader(path) as reader:
-        names = {human.name for tick in (0, len(reader) - 1) for human in reader.scene(tick).humans}
+        names = {human.name for tick in range(len(reader)) for human in reader.scene(tick).humans}
         for name in sorted(names):
             rotations, root, skeleton = motion_of(reader, name)
             if len(root) < 3:

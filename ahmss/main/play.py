@@ -26,7 +26,10 @@ _STOP_S = 10.0
 
 @dataclass(frozen=True)
 class PlaySetup:
-    """How a script is played; without `server` it gets one of its own, which alone can record."""
+    """How a script is played; without `server` it gets one of its own, which alone can record.
+
+    `stay`: the bodies stay when it is over, as they do on a server of its own: its recording ends with them.
+    """
 
     fast: bool = False
     seed: int = 0
@@ -34,6 +37,7 @@ class PlaySetup:
     server: str = ""
     keys: Path | None = None
     workspace: Path | None = None
+    stay: bool = False
 
 
 @dataclass
@@ -102,6 +106,7 @@ def _start(script: Script, human: Human, setup: PlaySetup, address: str, group: 
     command = [sys.executable, "-m", "ahmss", "main", "--server", address, "--human", human.name, "--json"]
     command += ["--script", str(script.path), "--group", group, "--seed", str(setup.seed)]
     command += ["--fast"] if setup.fast else []
+    command += ["--stay"] if setup.stay or not setup.server else []
     for option, value in (("--workspace", setup.workspace), ("--keys", setup.keys)):
         command += [option, str(value)] if value else []
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)

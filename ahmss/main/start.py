@@ -18,7 +18,7 @@ __all__ = ["start_main"]
 
 def start_main(
     human: str, body: str, place: tuple[float, float], facing_deg: float, server: str, keys: Path | None,
-    script: Path | None, group: str, workspace: Path | None, *, fast: bool, seed: int, as_json: bool,
+    script: Path | None, group: str, workspace: Path | None, *, fast: bool, seed: int, stay: bool, as_json: bool,
 ) -> int:  # fmt: skip
     """Run one main to its end; returns how many things went wrong.
 
@@ -38,7 +38,7 @@ def start_main(
 
         return run_console(setup)
     steps, setup = _part(script, setup)
-    report = _carry_out(setup, steps)
+    report = _carry_out(setup, steps, stay=stay or len(setup.names) > 1)
     if as_json:
         print(json.dumps(dataclasses.asdict(report)), flush=True)
     return report.failures
@@ -57,7 +57,7 @@ def _part(path: Path, setup: Setup) -> tuple[deque[Step], Setup]:
     raise CommandError(f'{path}: no human "{setup.human}" in it; it has: {", ".join(h.name for h in script.humans)}')
 
 
-def _carry_out(setup: Setup, steps: deque[Step]) -> Report:
+def _carry_out(setup: Setup, steps: deque[Step], *, stay: bool) -> Report:
     """A script's part; Ctrl-C ends it in good order."""
     several = len(setup.names) > 1
 
@@ -73,4 +73,4 @@ def _carry_out(setup: Setup, steps: deque[Step]) -> Report:
         main.report.failures += 1
         return main.report
     finally:
-        main.close(stay=several)
+        main.close(stay=stay)

@@ -14,12 +14,11 @@ class Surroundings:
     """Compares the world with how it was a frame before."""
 
     def __init__(self) -> None:
-        self._poses: Array | None = None
-        self._revision = -1
+        self._before = b""
 
     def forget(self) -> None:
         """Nobody asks: what moves until somebody does is told by START."""
-        self._poses = None
+        self._before = b""
 
     def moved(self, world: World, own: Array) -> Array:
         """Rows (n, 8) of id, place, rotation of what moved since the last call.
@@ -29,14 +28,13 @@ class Surroundings:
             own: (m, 8) rows of what this main has moved, newer than the world.
         """
         numbers, poses = world.poses()
-        before, self._poses = self._poses, poses.copy()
-        if before is None or self._revision != world.revision:
-            self._revision = world.revision
+        before, self._before = self._before, poses.tobytes()
+        if before == self._before or len(before) != len(self._before):
             return own
-        changed = (before != poses).any(axis=1)
+        changed = (np.frombuffer(before).reshape(-1, 7) != poses).any(axis=1)
+        changed &= ~np.isin(numbers, own[:, 0])
         if not changed.any():
             return own
-        changed &= ~np.isin(numbers, own[:, 0])
         rows = np.empty((int(changed.sum()), 8))
         rows[:, 0], rows[:, 1:] = numbers[changed], poses[changed]
         return np.concatenate([own, rows]) if len(own) else rows
