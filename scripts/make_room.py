@@ -28,7 +28,7 @@ def main(workspace: Path) -> None:
     wall_2 = [[-145, 0, 0], [145, 0, 0], [145, 0, 250], [-145, 0, 250]]  # seen from +y
     for name, corners in (("wall_1", wall_1), ("wall_2", wall_2)):
         piece = Piece("wall", _array(corners), [[3, 2, 1, 0]])
-        write_dxf(objectdb / name / f"{name}.dxf", [piece], {"wall": (214, 220, 218)})
+        write_dxf(objectdb / name / f"{name}.dxf", [piece], {"wall": (232, 226, 212)})
     write_pictures(objectdb)
 
 
