@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
 from ahmss_viewer.camera import View, project
 from ahmss_viewer.painter import Painter
-from ahmss_viewer.stage import Actor, Stage
+from ahmss_viewer.stage import Actor, Stage, Thing
 from ahmss_viewer.target import Target
 
 __all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset", "shape_of"]
@@ -41,8 +41,11 @@ class Interest:
         return Interest(points, weights, self.facing)
 
 
-def interest(stage: Stage, name: str = "") -> Interest | None:
-    """The humans (or the one of that name) and what is near their hands; without humans all objects; None: nothing."""
+def interest(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Interest | None:
+    """The humans (or the one of that name), what is near their hands, and the objects (ids) that they `touched`.
+
+    Without humans all objects; None: there is nothing.
+    """
     actors = [actor for actor in stage.actors.values() if not name or actor.name == name]
     if not actors:
         if not stage.things:
@@ -54,10 +57,21 @@ def interest(stage: Stage, name: str = "") -> Interest | None:
     hands = np.concatenate([actor.places[list(_HANDS)] for actor in actors])
     for thing in stage.things.values():
         centre = thing.centre()
-        if float(np.ptp(thing.box, axis=0).max()) < _LARGE and np.linalg.norm(hands - centre, axis=1).min() < _REACH:
+        if thing.id in touched:
+            points.append(_inner(thing))
+            weights.append(np.full(len(points[-1]), 2.0 / len(points[-1])))
+        elif float(np.ptp(thing.box, axis=0).max()) < _LARGE and np.linalg.norm(hands - centre, axis=1).min() < _REACH:
             points.append(centre[None])
             weights.append(np.ones(1))
     return Interest(np.concatenate(points), np.concatenate(weights), actors[0].facing)
+
+
+def _inner(thing: Thing) -> Array:
+    """Points (9, 3) that stand for an object: its box's middle and, not quite in its corners, eight more."""
+    middle, half = thing.box.mean(axis=0), 0.35 * np.ptp(thing.box, axis=0)
+    sides = np.array([[0, 0, 0], *([x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))])
+    T = thing.matrix
+    return (middle + sides * half) @ T[:3, :3].T + T[:3, 3]
 
 
 def _body_weights() -> Array:

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.errors import CommandError, DataError
 from ahmss_viewer.aim import Aim
@@ -63,6 +64,7 @@ class _Run:
         self.report = ViewReport(str(source.path), self.size)
         self.tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
         self.tile_view: View | None = None
+        self.touched: set[int] = set()
 
     def run(self) -> ViewReport:
         """The view first, then the pictures."""
@@ -84,9 +86,11 @@ class _Run:
         """What is of interest in the whole motion, glanced at here and there; None where the options fix the camera."""
         found: Interest | None = None
         peopled = False
-        for tick in np.unique(np.linspace(0, self.last, _GLANCES).astype(int)):
+        ticks = np.unique(np.linspace(0, self.last, _GLANCES).astype(int))
+        self.touched = self._find_touched(ticks)
+        for tick in ticks:
             self._show(int(tick))
-            now = interest(self.studio.stage, self.options.follow)
+            now = interest(self.studio.stage, self.options.follow, self.touched)
             if now is None or (peopled and not self.studio.stage.actors):
                 continue  # before the humans came
             if self.studio.stage.actors and not peopled:
@@ -96,6 +100,16 @@ class _Run:
             there = ", ".join(a.name for a in self.studio.stage.actors.values()) or "none"
             raise CommandError(f'no human "{self.options.follow}" to follow in {self.source.path}; there is: {there}')
         return found
+
+    def _find_touched(self, ticks: NDArray[np.intp]) -> set[int]:
+        """The objects that move between these ticks: those that a human acts on."""
+        first: dict[int, bytes] = {}
+        touched: set[int] = set()
+        for tick in ticks:
+            for number, pose in zip(*self.source.show(int(tick)).poses(), strict=True):
+                if first.setdefault(int(number), pose.tobytes()) != pose.tobytes():
+                    touched.add(int(number))
+        return touched
 
     def _choose_tile(self, view: View, wanted: Interest | None) -> None:
         """A tile is small: it takes the shape of what is to be seen, where the options leave the camera free."""
@@ -112,7 +126,7 @@ class _Run:
         """Some moments of the motion, each on the stage when it is given."""
         for tick in np.unique(np.linspace(0, self.last, _MOMENTS).astype(int)):
             self._show(int(tick))
-            now = interest(self.studio.stage, self.options.follow)
+            now = interest(self.studio.stage, self.options.follow, self.touched)
             if now is not None and self.studio.stage.actors:
                 yield now
 
