@@ -13,7 +13,7 @@ __all__ = ["FINGERS", "arm", "bare_arm", "finger_chain", "upper_arm_loft"]
 
 FINGERS = {
     "thumb": ("proximal", "distal"),
-    **{finger: ("proximal", "intermediate", "distal") for finger in ("index", "middle", "ring", "little")},
+    **dict.fromkeys(("index", "middle", "ring", "little"), ("proximal", "intermediate", "distal")),
 }
 
 
@@ -22,8 +22,8 @@ def upper_arm_loft(figure: Figure, thickness: float, start: float = -0.1, end: f
     a, b = figure.bind.place("right_upper_arm"), figure.bind.place("right_lower_arm")
     # share of the bone, half width, front, back
     stations = _grown(figure, float(np.linalg.norm(b - a)), thickness, (
-        (-0.15, 2.6, 3.6, 3.8), (0.0, 3.7, 4.6, 4.8), (0.12, 4.5, 5.2, 5.4), (0.27, 5.0, 5.5, 5.5), (0.45, 4.7, 5.2, 5.0),
-        (0.7, 4.2, 4.7, 4.4), (0.9, 4.0, 4.0, 4.0), (1.0, 4.1, 3.9, 4.0), (1.3, 4.1, 3.9, 4.0),
+        (-0.15, 2.6, 3.6, 3.8), (0.0, 3.7, 4.6, 4.8), (0.12, 4.5, 5.2, 5.4), (0.27, 5.0, 5.5, 5.5),
+        (0.45, 4.7, 5.2, 5.0), (0.7, 4.2, 4.7, 4.4), (0.9, 4.0, 4.0, 4.0), (1.0, 4.1, 3.9, 4.0), (1.3, 4.1, 3.9, 4.0),
     ), start, end)  # fmt: skip
     return Loft(a, b - a, np.array([1.0, 0.0, 0.0]), stations, 2.1)
 

@@ -17,6 +17,8 @@ from humans.shade import shaded
 
 __all__ = ["build"]
 
+_RIGHT_SHOE = (np.array([-0.12, -0.28, 0.0]), np.array([0.26, -0.03, 0.16]))
+
 
 def build(figure: Figure) -> Skinned:
     """Model, join, paint and skin one human."""
@@ -35,11 +37,6 @@ def _box(figure: Figure, x: tuple[float, float], y: float, z: tuple[float, float
     return np.array([x[0], -y, z[0] * h]), np.array([x[1], y, z[1] * h])
 
 
-def _right(figure: Figure, low: float, high: float) -> tuple[Array, Array]:
-    """A box around the right shoe."""
-    return np.array([-0.12, -0.28, low]), np.array([0.26, -0.03, high])
-
-
 def _joined(figure: Figure, painting: Painting) -> Manifold:
     """All parts as one solid."""
     parts = [
@@ -48,13 +45,14 @@ def _joined(figure: Figure, painting: Painting) -> Manifold:
         mesh(trunk.belt(figure), _box(figure, (-0.25, 0.25), 0.36, (0.55, 0.63)), 0.005, 140, "belt"),
     ]
     drawing = head.Drawing.of(figure)
-    parts.append(mesh(hair.hair(figure), (drawing.place(-17, -10, -12), drawing.place(11, 10, 12)), 0.003, 1700, "hair"))
+    around = (drawing.place(-17, -10, -12), drawing.place(11, 10, 12))
+    parts.append(mesh(hair.hair(figure), around, 0.003, 1700, "hair"))
     if figure.female:
         around = (drawing.place(-14, -3, 2), drawing.place(-8, 3, 9))
         parts.append(mesh(hair.hair_band(figure), around, 0.0025, 90, "band"))
     for right in (
         _arm(figure),
-        mesh(shoe.shoe(figure), _right(figure, 0.0, 0.16), 0.003, 320, "shoe"),
+        mesh(shoe.shoe(figure), _RIGHT_SHOE, 0.003, 320, "shoe"),
     ):
         parts += [right, right.mirrored()]
     solid = _head(figure, painting)

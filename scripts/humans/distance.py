@@ -14,7 +14,18 @@ from scipy.interpolate import PchipInterpolator
 
 from ahmss.body.array import Array
 
-__all__ = ["Field", "Loft", "bend", "cone", "ellipsoid", "half_space", "intersect", "join", "offset", "smooth_max", "smooth_min"]
+__all__ = [
+    "Field",
+    "Loft",
+    "bend",
+    "cone",
+    "ellipsoid",
+    "half_space",
+    "intersect",
+    "join",
+    "smooth_max",
+    "smooth_min",
+]
 
 Field = Callable[[Array], Array]
 
@@ -57,11 +68,6 @@ def bend(a: Field, b: Field, joint: Array, along: Array, width: float) -> Field:
         return (1.0 - w) * a(p) + w * b(p)
 
     return distance
-
-
-def offset(a: Field, by: float) -> Field:
-    """The field grown outwards by a distance."""
-    return lambda p: a(p) - by
 
 
 def half_space(point: Array, outwards: Array) -> Field:

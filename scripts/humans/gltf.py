@@ -21,8 +21,11 @@ _TYPES = {"|u1": 5121, "<u2": 5123, "<f4": 5126}
 
 @dataclass(frozen=True)
 class Skinned:
-    """positions, normals (n, 3), colours (n, 4) uint8 sRGB, joints (n, 4), weights (n, 4), faces (m, 3);
-    frames (43, 4, 4): the links in the world in the pose in which the mesh is modelled."""  # noqa: D209
+    """A body as it goes into the file.
+
+    positions, normals (n, 3); colours (n, 4) uint8, sRGB; joints, weights (n, 4); faces (m, 3); frames (43, 4, 4): the
+    links in the world in the pose in which the mesh is modelled.
+    """
 
     positions: Array
     normals: Array

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,7 +19,7 @@ Row = tuple[float, float, float, float]
 
 def _lock(*rows: Row) -> Field:
     """A lock of hair through points x, y, z with radii."""
-    cones = [cone(np.array(a[:3]), np.array(b[:3]), a[3], b[3]) for a, b in zip(rows, rows[1:], strict=False)]
+    cones = [cone(np.array(a[:3]), np.array(b[:3]), a[3], b[3]) for a, b in pairwise(rows)]
 
     def distance(q: Array) -> Array:
         d = cones[0](q)

@@ -52,7 +52,7 @@ def _shoulder(figure: Figure, thickness: float) -> Field:
 
 def shirt(figure: Figure) -> Field:
     """Trunk and sleeves down to the waist."""
-    h, thickness = figure.height, 0.006
+    thickness = 0.006
     body = trunk_loft(figure, thickness, _WAIST - 0.035)
     shoulder = _shoulder(figure, thickness)
     if figure.long_sleeves:
@@ -121,7 +121,8 @@ def trousers(figure: Figure) -> Field:
         (0.7, 6.8, 7.5, 7.2, 0.0), (0.9, 6.1, 6.7, 6.4, 0.0), (1.0, 5.9, 6.4, 6.2, 0.0), (1.3, 5.8, 6.2, 6.2, 0.0),
     )), 2.15)  # fmt: skip
     shank = Loft(knee, ankle - knee, _FORWARD, _leg(figure, float(np.linalg.norm(ankle - knee)), (
-        (-0.3, 5.9, 6.4, 6.2, 0.0), (0.0, 5.9, 6.3, 6.2, 0.0), (0.10, 5.8, 5.9, 6.6, 0.0), (0.28, 6.0, 5.5, 7.6, 0.0), (0.5, 5.6, 5.2, 7.2, 0.0),
+        (-0.3, 5.9, 6.4, 6.2, 0.0), (0.0, 5.9, 6.3, 6.2, 0.0), (0.10, 5.8, 5.9, 6.6, 0.0), (0.28, 6.0, 5.5, 7.6, 0.0),
+        (0.5, 5.6, 5.2, 7.2, 0.0),
         (0.75, 5.1, 5.0, 6.3, 0.0), (0.95, 5.2, 5.4, 6.2, 0.0), (1.10, 5.3, 5.7, 6.3, 0.0),
     )), 2.15)  # fmt: skip
     seat = ellipsoid(hip + np.array([-0.030, 0.004, -0.010]) * h,
