@@ -110,6 +110,7 @@ def main_process(
     group: Annotated[str, typer.Option(hidden=True)] = "",
     fast: Annotated[bool, typer.Option(help="As fast as it can, in lockstep.")] = False,
     seed: Annotated[int, typer.Option(help="For whatever is random.")] = 0,
+    stay: Annotated[bool, typer.Option(help="Leave the body standing when the script is over.")] = False,
     as_json: Json = False,
     workspace: Workspace = None,
 ) -> None:
@@ -117,7 +118,19 @@ def main_process(
     from ahmss.main.start import start_main
 
     failures = start_main(
-        human, body, at, facing, server, keys, script, group, workspace, fast=fast, seed=seed, as_json=as_json
+        human,
+        body,
+        at,
+        facing,
+        server,
+        keys,
+        script,
+        group,
+        workspace,
+        fast=fast,
+        seed=seed,
+        stay=stay,
+        as_json=as_json,
     )
     raise typer.Exit(1 if failures else 0)
 
@@ -212,13 +225,14 @@ def new_object(name: str, workspace: Workspace = None) -> None:
 def new_algorithm(
     name: str,
     kind: Annotated[str, typer.Option(help="human or object.")] = "human",
+    language: Annotated[str, typer.Option(help="python or c.")] = "python",
     workspace: Workspace = None,
 ) -> None:
     """A new algorithm of about ten lines. Example: ahmss new algorithm bow"""
-    from ahmss.algorithm.staging import new_algorithm as write
+    from ahmss.algorithm.template import new_algorithm as write
     from ahmss.database.workspace import Workspace as Found
 
-    typer.echo(f"wrote {write(Found.find(workspace), name, kind)}")
+    typer.echo(f"wrote {write(Found.find(workspace), name, kind, language)}")
 
 
 @app.command()

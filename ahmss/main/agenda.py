@@ -38,6 +38,7 @@ class Agenda:
         self._waits: Callable[[], bool] | None = None
         self._lock = threading.Lock()
         self._unfinished = 0
+        self._cut = False
         self.said: Callable[[str], None] = _keep_quiet
 
     @property
@@ -52,14 +53,16 @@ class Agenda:
             self._unfinished += 1
 
     def clear(self) -> None:
-        """Forget all lines, and what is waited for."""
+        """Forget all lines; the present motion stops with the next frame. What is added after this is carried out."""
         with self._lock:
             self._steps.clear()
-        self._waits = None
-        self._count()
+            self._cut, self._unfinished = True, 1
 
     def step(self) -> None:
         """Go on with the next lines, until one takes time."""
+        if self._cut:
+            self._cut, self._waits = False, None
+            self._main.control.stop()
         while not self._busy() and self._steps:
             step = self._steps.popleft()
             try:
@@ -78,7 +81,8 @@ class Agenda:
 
     def _count(self) -> None:
         with self._lock:
-            self._unfinished = len(self._steps) + (self._main.control.busy or self._waits is not None)
+            busy = self._main.control.busy or self._waits is not None or self._cut
+            self._unfinished = len(self._steps) + busy
 
     # The kinds of line
 

@@ -86,6 +86,8 @@ class Blending:
         self.rotations, self.root = rotations.copy(), root.copy()
         self.grips = grips(self.skeleton, rotations, root)
         self._source, self._source_root = self.rotations, self.root
+        # The last two frames, newest last: before the targets were solved, and as they were shown.
+        self._plain = self._shown = (self.rotations, self.rotations)
         self._claims: list[tuple[int, bytes, bytes]] = []
         self._shares: dict[int, Array] = {}
         self._owned, self._all_owned, self._any_target = np.zeros(44, bool), False, False
@@ -107,9 +109,9 @@ class Blending:
         joints, root_switched, ends = _NO_JOINT, False, _NO_END
         if claims != self._claims:
             self._claims = claims
-            joints, root_switched, ends = self._switches(motions)
-        if joints is not _NO_JOINT:  # what nobody drives from now on stays where it is seen
-            self._source = np.where(joints[:, None], self.rotations, self._source)
+            joints, lost, root_switched, ends = self._switches(motions)
+            if joints is not _NO_JOINT:
+                self._begin_at_what_is_seen(joints, lost)
         if root_switched:
             self._source_root = self.root
         targets = _NO_TARGETS
@@ -121,12 +123,25 @@ class Blending:
         if joints is not _NO_JOINT or root_switched or not self._inertialiser.settled:
             rotations, root = self._inertialiser.step(rotations, root, joints, root_switched)
         targets = self._smooth(targets, ends)
-        if self._any_target:
-            rotations = solve(self.skeleton, rotations, root, targets)
+        shown = solve(self.skeleton, rotations, root, targets) if self._any_target else rotations
         self._inertialiser.settle(rotations, root)
-        self._targets.settle(rotations, root)
-        self.rotations, self.root = rotations, root
-        self.grips = grips(self.skeleton, rotations, root)
+        self._targets.settle(shown, root)
+        self._plain, self._shown = (self._plain[1], rotations), (self._shown[1], shown)
+        self.rotations, self.root = shown, root
+        self.grips = grips(self.skeleton, shown, root)
+
+    def _begin_at_what_is_seen(self, joints: Rows, lost: Rows) -> None:
+        """Joints with a new source start from the present; what nobody drives from now on stays there.
+
+        The present is what stood before the targets were solved, because those that go on are solved again; a limb that
+        has lost its target starts from where it was shown.
+        """
+        present = self._plain
+        if lost.any():
+            present = tuple(np.where(lost[:, None], s, p) for s, p in zip(self._shown, self._plain, strict=True))
+            for rotations in present:
+                self._inertialiser.rotations.settle(rotations)
+        self._source = np.where(joints[:, None], present[1], self._source)
 
     def _smooth(self, targets: Array, ends: Rows) -> Array:
         """The targets after inertialisation, which is not asked while nothing decays."""
@@ -161,8 +176,8 @@ class Blending:
             self._source_root = blend_root(increments, importance[:, 43], self._source_root)
         return self._merge.merge(rows[:, _TARGETS].reshape(-1, 5, 8))
 
-    def _switches(self, motions: Sequence[Contribution]) -> tuple[Rows, bool, Rows]:
-        """Which joints (43,), whether the root, and which targets (5,) have another source than a frame before."""
+    def _switches(self, motions: Sequence[Contribution]) -> tuple[Rows, Rows, bool, Rows]:
+        """What has another source than a frame before: joints, those that lost a target (43,), root, targets (5,)."""
         before, shares = self._shares, _shares(motions)
         self._shares = shares
         total = sum(shares.values(), _NOTHING)
@@ -176,11 +191,11 @@ class Blending:
             gone += then[44:] - now[44:]
         switched = change > _JUMP
         if not switched.any():
-            return _NO_JOINT, _gains_one_owner(shares, before), _NO_END
-        joints = switched[:43]
+            return _NO_JOINT, _NO_JOINT, _gains_one_owner(shares, before), _NO_END
+        joints, lost = switched[:43], np.zeros(43, bool)
         for end in np.flatnonzero(gone > _JUMP):  # a limb that loses its target falls back to its own rotations
-            joints[_CHAINS[end]] = True
-        return joints, bool(switched[43]) or _gains_one_owner(shares, before), switched[44:]
+            joints[_CHAINS[end]] = lost[_CHAINS[end]] = True
+        return joints, lost, bool(switched[43]) or _gains_one_owner(shares, before), switched[44:]
 
 
 def _shares(motions: Sequence[Contribution]) -> dict[int, Array]:

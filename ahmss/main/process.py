@@ -98,7 +98,6 @@ class MainProcess:
         self.agenda = Agenda(self, setup)
         self.pace = Pace(setup.rate, fast=setup.fast)
         self.report = Report(setup.human)
-        self._stop_asked = False
         self.control.see(self.blending)
 
     @property
@@ -145,8 +144,8 @@ class MainProcess:
         return self.run(lambda: self.agenda.done)
 
     def stop_motion(self) -> None:
-        """Stop the present motion and forget the lines that wait; from any thread, in the next frame."""
-        self._stop_asked = True
+        """Stop the present motion with the next frame and forget the lines that wait; from any thread."""
+        self.agenda.clear()
 
     def close(self, *, stay: bool = False) -> None:
         """Leave the world and end all processes."""
@@ -173,11 +172,7 @@ class MainProcess:
         time.sleep(self.pace.period)
 
     def _listen(self) -> None:
-        """What was asked from other threads, and what the server refused."""
-        if self._stop_asked:
-            self._stop_asked = False
-            self.agenda.clear()
-            self.control.stop()
+        """What the server refused."""
         for reason in self.communication.complaints():
             self.trouble(reason)
 

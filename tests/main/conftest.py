@@ -207,11 +207,11 @@ def workspace(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def _pool() -> Iterator[None]:
+def pool() -> Iterator[None]:
     """The pool, kept alive between tests."""
-    pool = Pool()
+    made = Pool()
     yield
-    pool.close()
+    made.close()
 
 
 @pytest.fixture
@@ -229,7 +229,7 @@ def server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
 
 
 @pytest.fixture
-def join(workspace: Path, _pool: None) -> Iterator[Callable[..., MainProcess]]:
+def join(workspace: Path, pool: None) -> Iterator[Callable[..., MainProcess]]:
     """Makes mains in this process; what they say is in `report.messages`."""
     mains: list[MainProcess] = []
 

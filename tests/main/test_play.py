@@ -1,0 +1,217 @@
+"""Scripts played with all processes: servers, mains and algorithms of their own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ahmss.main.judging import motion_of
+from ahmss.main.play import PlaySetup, play_script
+from ahmss.main.process import MainProcess
+from ahmss.world.process import ServerProcess
+from ahmss.world.recording import Reader
+from ahmss.world.view import World
+from tests.main.ground import steps
+
+pytestmark = pytest.mark.usefixtures("pool")
+
+TWO = """
+human ken body ken at 0 0
+human aiko body aiko at 0 1 facing -90
+add box as b at 0.3 0.5 1
+add box as c at 0.3 -0.2 1
+ken: do b take frames 20
+aiko: do b take frames 20 with c wave frames 30 after 5
+sync
+ken: do b shake frames 20
+aiko: do c take frames 20
+aiko: wait 0.2
+ken: do b drop frames 10
+"""
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    path = tmp_path / "two.txt"
+    path.write_text(TWO)
+    return path
+
+
+def test_two_humans_play_the_same_twice(script: Path, workspace: Path, tmp_path: Path) -> None:
+    recordings = [tmp_path / "1.rec", tmp_path / "2.rec"]
+    for recording in recordings:
+        report = play_script(script, PlaySetup(fast=True, seed=1, record=recording, workspace=workspace))
+        # Both take one box in the same frame: the first by name has it, the other is told.
+        ken, aiko = (main["messages"] for main in report.mains)
+        assert aiko == []
+        assert ken[0] == "b take: b is held by aiko; wait until it is let go"
+    first, second = (recording.read_bytes() for recording in recordings)
+    assert first == second
+    with Reader(recordings[0]) as reader:
+        for name in ("ken", "aiko"):
+            rotations, _, _ = motion_of(reader, name)
+            assert len(rotations) > 30
+            assert np.abs(rotations[-1] - rotations[0]).max() > 0.1
+
+
+def test_a_recording_is_played_back_into_a_server(script: Path, workspace: Path, tmp_path: Path) -> None:
+    original, copy = tmp_path / "original.rec", tmp_path / "copy.rec"
+    play_script(script, PlaySetup(fast=True, record=original, workspace=workspace))
+    done = run("play", str(original), "--record", str(copy))
+    assert done.returncode == 0, done.stderr
+    with Reader(original) as reader, Reader(copy) as again:
+        for name in ("ken", "aiko"):
+            there, here = motion_of(reader, name)[0], motion_of(again, name)[0]
+            assert len(here) > 0.5 * len(there)
+        last, shown = World(), World()
+        reader.show(len(reader) - 1, last)
+        ticks = [tick for tick in range(len(again)) if len(again.scene(tick).humans) == 2]
+        again.show(ticks[-1], shown)
+        assert shown.objects.keys() == last.objects.keys()
+        for name in last.objects:
+            assert np.abs(shown.pose(name) - last.pose(name)).max() < 1e-6
+
+
+def run(*arguments: str, given: str = "", directory: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """`ahmss` with these arguments."""
+    return subprocess.run(
+        [sys.executable, "-m", "ahmss", *arguments], input=given, capture_output=True, text=True, timeout=50,
+        cwd=directory, check=False,
+    )  # fmt: skip
+
+
+def test_a_script_that_fails_says_where_and_ends_with_1(workspace: Path, tmp_path: Path) -> None:
+    script = tmp_path / "one.txt"
+    script.write_text("human ken body ken\nadd box as b at 0.3 0 1\ndo b fly\ndo b wave frames 5\n")
+    done = run("play", str(script), "--fast", "--workspace", str(workspace))
+    assert done.returncode == 1
+    assert f'{script}:3: b does not afford "fly"; it affords: wave' in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_server_may_be_killed_and_come_back_in_mid_motion(
+    tmp_path: Path, server: Callable[..., ServerProcess], join: Callable[..., MainProcess]
+) -> None:
+    directory = tmp_path / "world"
+    first = server(directory=directory)
+    main = join(first)
+    main.play(steps("add box as b at 0.3 0 1", "do b take frames 10"))
+    for step in steps("do b shake frames 150"):
+        main.agenda.add(step)
+    over = False
+    frames = threading.Thread(target=main.run, args=(lambda: over,))
+    frames.start()
+    try:
+        time.sleep(0.3)
+        first.kill()
+        time.sleep(0.3)
+        server(address=first.address, directory=directory)
+        deadline = time.monotonic() + 20.0
+        while not (main.agenda.done and main.communication.client.connected) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(0.5)
+    finally:
+        over = True
+        frames.join()
+    assert main.agenda.done
+    main.communication.client.refresh()
+    world = main.communication.world
+    assert world.objects["b"].holder == "ken"
+    assert np.abs(world.pose("b") - main.communication.pose("b")).max() < 1e-6
+    _, seen = world.human("ken")
+    assert np.abs(seen - main.blending.rotations).max() < 1e-6
+    assert main.report.late < main.report.frames
+
+
+def test_interrupt_stops_the_motion_and_not_the_console(workspace: Path, server: Callable[..., ServerProcess]) -> None:
+    address = server().address
+    command = [sys.executable, "-m", "ahmss", "main", "--server", address, "--workspace", str(workspace)]
+    console = subprocess.Popen(
+        [*command, "--human", "ken"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert console.stdin is not None
+    assert console.stdout is not None
+    console.stdin.write("add box as b at 0.3 0 1\nwait 600\n")
+    console.stdin.flush()
+    for line in console.stdout:
+        if "wait 600" in line:
+            break
+    time.sleep(0.3)
+    os.kill(console.pid, signal.SIGINT)
+    rest, _ = console.communicate("remove b\nquit\n", timeout=30)
+    assert "stopped" in rest
+    assert "b is gone" in rest
+    assert console.returncode == 0
+
+
+def test_the_dialogue_runs_over_a_pipe(workspace: Path, server: Callable[..., ServerProcess]) -> None:
+    answers = [
+        "add",
+        "box",
+        "0.3 0 1",
+        "",
+        "box",
+        "wave",
+        "10",
+        "yes",
+        "3",
+        "box",
+        "bow",
+        "",
+        "undo",
+        "10",
+        "no",
+        "help",
+    ]
+    done = run("main", "--server", server().address, "--workspace", str(workspace), given="\n".join(answers))
+    assert done.returncode == 0, done.stdout
+    text = done.stdout
+    order = [
+        "object to add> box", "position (x y [z] in metres)> 0.3 0 1", "box is in the world", "object> box",
+        "what to do with box> wave", "number of frames (nothing for 20)> 10",
+        "fuse with another motion? (yes or no)> yes",
+        "start the next motion after how many frames", "what to do with box> bow", "> undo", "> 10", "> no", "> help",
+    ]  # fmt: skip
+    at = 0
+    for words in order:
+        assert words in text[at:], words
+        at = text.index(words, at) + len(words)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "error"),
+    [
+        (["play", "nothing.txt"], 1, "nothing.txt: can't be read as a script: No such file or directory"),
+        (["play"], 2, "Missing argument"),
+        (["view", "nothing.rec", "--snapshot", "a.png"], 1, "nothing.rec"),
+        (["main", "--server", "localhost:x"], 1, '"x" is no port'),
+        (["list", "nothing"], 1, 'nothing called "nothing" to list'),
+        (["new", "object", "cup"], 1, "exists already"),
+        (["view", "--size", "big"], 2, '"big" is no size'),
+    ],
+)
+def test_an_error_is_one_sentence_and_a_code(arguments: list[str], code: int, error: str) -> None:
+    done = run(*arguments)
+    assert done.returncode == code
+    assert error in " ".join(done.stderr.replace("│", " ").split())
+    assert "Traceback" not in done.stderr
+
+
+def test_lists_and_checks_are_json_where_asked(workspace: Path) -> None:
+    kinds = json.loads(run("list", "--json", "--workspace", str(workspace)).stdout)
+    assert [kind["name"] for kind in kinds["objects"]] == ["box"]
+    actions = json.loads(run("list", "box", "--json", "--workspace", str(workspace)).stdout)
+    assert "wave" in {action["action"] for action in actions["box"]}
+    checked = run("check", "--json", "--workspace", str(workspace))
+    assert checked.returncode == 0, checked.stdout
+    assert json.loads(checked.stdout)["problems"] == []
+    found = json.loads(run("doctor", "--json").stdout)
+    assert {"what", "ok", "found", "cure", "needed"} <= found["findings"][0].keys()
