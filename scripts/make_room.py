@@ -1,6 +1,6 @@
 """Make the room's shapes and pictures: DXF and PNG files in objectdb/, the same bytes each time.
 
-    python scripts/make_room.py [WORKSPACE]
+python scripts/make_room.py [WORKSPACE]
 """
 
 from __future__ import annotations

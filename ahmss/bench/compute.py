@@ -91,7 +91,8 @@ def rig(workspace: Workspace, objects: int = 0) -> Generator[Rig]:
             main = MainProcess(setup, said.append)
             try:
                 one = Rig(main)
-                for line in ("add thing", "add other", *(f"add other as spare_{i} at 50 {i}" for i in range(objects))):
+                spare = (f"add other as spare_{i} at 50 {i}" for i in range(objects))
+                for line in ("add thing", "add other", *spare):
                     one.carry_out(line)
                 yield one
             finally:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -14,7 +13,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 from ahmss.main.play import PlaySetup, play_script, running_server
 
-__all__ = ["display_fps"]
+__all__ = ["display_fps", "drawn"]
 
 _SIZES = ("640x480", "1280x720")
 _SECONDS = 12
@@ -22,21 +21,27 @@ _SCENARIO = "examples/table.txt"
 
 
 def display_fps(workspace: Workspace) -> dict[str, Any]:
-    """`display_fps` (a world where nothing moves) and `display_fps_live` (while the scenario is played), by size."""
+    """`display_fps` (the scenario's recording, drawn alone) and `display_fps_live` (while it is played), by size."""
     return {
-        "display_fps": {size: _alone(workspace, size) for size in _SIZES},
+        "display_fps": {size: drawn(workspace.root / _SCENARIO, size)["fps"] for size in _SIZES},
         "display_fps_live": {size: _live(workspace, size) for size in _SIZES},
     }
 
 
-def _alone(workspace: Workspace, size: str) -> float:
-    """A viewer on a world with the room and one human, where nothing moves and no main runs any more."""
+def drawn(script: Path, size: str, seconds: float = 6.0) -> dict[str, Any]:
+    """What the viewer draws by itself of a script's recording: `fps`, `faces`, `ms`, with no server and no main."""
     with tempfile.TemporaryDirectory(prefix="ahmss-bench-") as folder:
-        script = Path(folder) / "still.txt"
-        lines = (workspace.root / _SCENARIO).read_text().splitlines()
-        still = [line for line in lines if line.split(" ")[0] in ("add", "human")]
-        script.write_text("\n".join([*still, f"wait {_SECONDS + 6}"]) + "\n")
-        return _watch(script, size)
+        recording = Path(folder) / "run.rec"
+        play_script(script, PlaySetup(fast=True, record=recording))
+        # OpenGL belongs to one process and one way of drawing, so each measurement has a process of its own.
+        code = "import json, sys; from ahmss_viewer.bench import display_rate; width, height = sys.argv[2].split('x'); "
+        code += "print(json.dumps(display_rate(sys.argv[1], (int(width), int(height)), float(sys.argv[3]))))"
+        command = [sys.executable, "-c", code, str(recording), size, str(seconds)]
+        done = subprocess.run(command, stdout=subprocess.PIPE, check=False)
+    try:
+        return json.loads(done.stdout.splitlines()[-1])
+    except (ValueError, IndexError):
+        raise AhmssError(f"the viewer at {size} gave no rate; it ended with {done.returncode}") from None
 
 
 def _live(workspace: Workspace, size: str) -> float:
@@ -51,7 +56,7 @@ def _watch(script: Path, size: str) -> float:
     def ready(address: str) -> None:
         command = [sys.executable, "-m", "ahmss", "view", "--server", address, "--headless", "--size", size, "--json"]
         command += ["--seconds", str(_SECONDS)]
-        viewers.append(subprocess.Popen(command, stdout=subprocess.PIPE, env=os.environ))
+        viewers.append(subprocess.Popen(command, stdout=subprocess.PIPE))
 
     setup = PlaySetup()
     with running_server(setup, ()) as address:

@@ -12,7 +12,12 @@ import msgspec
 __all__ = ["Clause", "Condition", "parse_condition"]
 
 _OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
-    "==": operator.eq, "!=": operator.ne, "<=": operator.le, ">=": operator.ge, "<": operator.lt, ">": operator.gt,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
 }
 _CLAUSE = re.compile(r'\s*([\w-]+)\s*(==|!=|<=|>=|<|>)\s*("[^"]*"|[\w.+-]+)\s*')
 

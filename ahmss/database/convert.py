@@ -133,8 +133,14 @@ def _parts(soup: Soup, kind: ObjectKind, textured: NDArray[np.bool_] | None) -> 
             own = soup.uv
             uv = box_projection(soup.triangles[chosen], kind.texture_size) if own is None else own[chosen]
             uv = uv.reshape(-1, 2)
-        out.append(Part(
-            name, soup.triangles[chosen].reshape(-1, 3), normals[chosen].reshape(-1, 3),
-            np.repeat(soup.colors[chosen], 3, axis=0), uv, two_sided,
-        ))
+        out.append(
+            Part(
+                name,
+                soup.triangles[chosen].reshape(-1, 3),
+                normals[chosen].reshape(-1, 3),
+                np.repeat(soup.colors[chosen], 3, axis=0),
+                uv,
+                two_sided,
+            )
+        )
     return out

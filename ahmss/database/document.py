@@ -17,8 +17,13 @@ __all__ = ["Document", "one_of"]
 T = TypeVar("T")
 _MAX_BYTES = 4_000_000
 _PLAIN_NAMES = {
-    "str": "text in quotes", "int": "a whole number", "float": "a number", "bool": "true or false",
-    "array": "a list [...]", "object": "a table", "null": "nothing",
+    "str": "text in quotes",
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "true or false",
+    "array": "a list [...]",
+    "object": "a table",
+    "null": "nothing",
 }
 
 

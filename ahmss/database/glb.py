@@ -80,7 +80,10 @@ class _Writer:
         self.views.append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(raw)})
         self.binary += raw + bytes(-len(raw) % 4)
         accessor: dict[str, Any] = {
-            "bufferView": len(self.views) - 1, "componentType": component, "count": len(data), "type": kind,
+            "bufferView": len(self.views) - 1,
+            "componentType": component,
+            "count": len(data),
+            "type": kind,
         }
         if normalized:
             accessor["normalized"] = True
@@ -93,8 +96,13 @@ class _Writer:
         nodes = [{"name": mesh["name"], "mesh": i} for i, mesh in enumerate(self.meshes)]
         header = {
             "asset": {"version": "2.0", "generator": "AHMSS"},
-            "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "meshes": self.meshes,
-            "materials": self.materials, "accessors": self.accessors, "bufferViews": self.views,
+            "scene": 0,
+            "scenes": [{"nodes": list(range(len(nodes)))}],
+            "nodes": nodes,
+            "meshes": self.meshes,
+            "materials": self.materials,
+            "accessors": self.accessors,
+            "bufferViews": self.views,
             "buffers": [{"byteLength": len(self.binary)}],
         }
         text = json.dumps(header, separators=(",", ":")).encode()

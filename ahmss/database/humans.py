@@ -171,8 +171,11 @@ def _skeleton(document: Document, top: HumanFile, name: str) -> Skeleton:
             raise document.error(("links", link, "limits_deg"), "each pair is [lowest, highest]")
     usual = Skeleton.of(top.stature, top.sex, name)
     return Skeleton(
-        name=name, stature=top.stature, sex=top.sex,
-        offsets=np.array([e.offset for e in entries], float), tips=np.array([e.tip for e in entries], float),
+        name=name,
+        stature=top.stature,
+        sex=top.sex,
+        offsets=np.array([e.offset for e in entries], float),
+        tips=np.array([e.tip for e in entries], float),
         mass=np.array([e.mass for e in entries], float),
         radii=np.array([u if e.radius is None else e.radius for e, u in zip(entries, usual.radii, strict=True)], float),
         limits=np.radians(np.array([e.limits_deg for e in entries], float)),

@@ -93,7 +93,10 @@ def _look(workspace: Workspace) -> str:
         return ""
     motion = f'motion = "../television/{television.motion.name}"\n' if television.motion else ""
     return _AFFORDANCE.format(
-        action="look", sentence="Look at it.", algorithm=television.human_algorithm, motion=motion,
+        action="look",
+        sentence="Look at it.",
+        algorithm=television.human_algorithm,
+        motion=motion,
         frames=television.frames,
     )
 

@@ -120,11 +120,20 @@ class _Reader:
         states = self._states(top)
         sites = {n: self._site(v, ("sites", n)) for n, v in top.sites.items()}
         return ObjectKind(
-            name=name, directory=self.folder, sentence=top.sentence,
-            shape=self._path(top.shape, ("shape",)), unit=top.unit, up=top.up, two_sided=top.two_sided,
-            color=top.color, texture=self._path(top.texture, ("texture",)),
-            texture_layers=tuple(top.texture_layers), texture_size=top.texture_size,
-            properties=self._properties(top.properties, files), sites=sites, states=states,
+            name=name,
+            directory=self.folder,
+            sentence=top.sentence,
+            shape=self._path(top.shape, ("shape",)),
+            unit=top.unit,
+            up=top.up,
+            two_sided=top.two_sided,
+            color=top.color,
+            texture=self._path(top.texture, ("texture",)),
+            texture_layers=tuple(top.texture_layers),
+            texture_size=top.texture_size,
+            properties=self._properties(top.properties, files),
+            sites=sites,
+            states=states,
             affordances={n: self._affordance(n, v, sites, states) for n, v in top.affordances.items()},
             contains=self._contains(top),
         )
@@ -225,10 +234,18 @@ class _Reader:
             if getattr(entry, key) is not None:
                 self._name(getattr(entry, key), (*place, key))
         return Affordance(
-            name=name, human_algorithm=entry.human_algorithm, object_algorithm=entry.object_algorithm,
-            sentence=entry.sentence, motion=self._path(entry.motion, (*place, "motion")), site=entry.site,
-            asks=tuple(entry.asks), parameters=entry.parameters, when=self._when(entry.when, states, (*place, "when")),
-            needs=entry.needs, frames=entry.frames, hold=entry.hold,
+            name=name,
+            human_algorithm=entry.human_algorithm,
+            object_algorithm=entry.object_algorithm,
+            sentence=entry.sentence,
+            motion=self._path(entry.motion, (*place, "motion")),
+            site=entry.site,
+            asks=tuple(entry.asks),
+            parameters=entry.parameters,
+            when=self._when(entry.when, states, (*place, "when")),
+            needs=entry.needs,
+            frames=entry.frames,
+            hold=entry.hold,
         )
 
     def _when(self, text: str | None, states: dict[str, State], place: Place) -> Any:

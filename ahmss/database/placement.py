@@ -42,8 +42,12 @@ class Changes(msgspec.Struct, frozen=True):
 
 
 def expand(
-    kind_of: Callable[[str], ObjectKind], label: Callable[[Path], str],
-    kind: str, name: str, position: Vector, rotation: Quaternion,
+    kind_of: Callable[[str], ObjectKind],
+    label: Callable[[Path], str],
+    kind: str,
+    name: str,
+    position: Vector,
+    rotation: Quaternion,
 ) -> tuple[Placed, ...]:
     """The object `name` of a kind and all it contains, parents before children (see `ObjectDatabase.place`)."""
     out: list[Placed] = []
@@ -56,7 +60,7 @@ def expand(
             place = f"contains[{i}].kind"
             file = label(record.directory / "object.toml")
             if entry.kind in chain:
-                circle = " contains ".join((*chain[chain.index(entry.kind):], entry.kind))
+                circle = " contains ".join((*chain[chain.index(entry.kind) :], entry.kind))
                 raise DataError(file, place, f"a circle: {circle}; take one of them out")
             try:
                 child = kind_of(entry.kind)
@@ -84,8 +88,10 @@ def difference(before: Sequence[Placed], after: Sequence[Placed]) -> Changes:
     added = tuple(p for n, p in new.items() if n not in old or n in replaced)
     removed = tuple(n for n in reversed(list(old)) if n not in new or n in replaced)
     moved = tuple(
-        p for n, p in new.items()
-        if n in old and n not in replaced
+        p
+        for n, p in new.items()
+        if n in old
+        and n not in replaced
         and (p.local_position, p.local_rotation) != (old[n].local_position, old[n].local_rotation)
     )
     return Changes(added, moved, removed)

@@ -42,8 +42,16 @@ class ShapeLoader:
         if kind.shape is None:
             return None
         files = [kind.shape] + ([kind.texture] if kind.texture else [])
-        key = (kind.shape, kind.unit, kind.up, kind.two_sided, kind.color, kind.texture, kind.texture_layers,
-               kind.texture_size)
+        key = (
+            kind.shape,
+            kind.unit,
+            kind.up,
+            kind.two_sided,
+            kind.color,
+            kind.texture,
+            kind.texture_layers,
+            kind.texture_size,
+        )
         return self._shapes.get(key, files, lambda _: self._load(kind, files))
 
     def _load(self, kind: ObjectKind, files: list[Path]) -> Shape:
@@ -66,8 +74,15 @@ def _kept_at(kind: ObjectKind, files: list[Path]) -> Path | None:
     assert kind.shape is not None
     if kind.shape.suffix.lower() not in _ALONE:
         return None
-    options = (kind.shape.suffix.lower(), kind.unit, kind.up, kind.two_sided, kind.color, kind.texture_layers,
-               kind.texture_size)
+    options = (
+        kind.shape.suffix.lower(),
+        kind.unit,
+        kind.up,
+        kind.two_sided,
+        kind.color,
+        kind.texture_layers,
+        kind.texture_size,
+    )
     digest = hashlib.sha256(_VERSION + repr(options).encode())
     for file in files:
         try:

@@ -46,6 +46,9 @@ class Soup:
         size = np.maximum(((b - a) ** 2).sum(-1), ((c - a) ** 2).sum(-1))
         keep = (cross**2).sum(-1) > 1e-16 * size**2
         return replace(
-            self, triangles=self.triangles[keep], colors=self.colors[keep], layer=self.layer[keep],
+            self,
+            triangles=self.triangles[keep],
+            colors=self.colors[keep],
+            layer=self.layer[keep],
             uv=None if self.uv is None else self.uv[keep],
         )

@@ -15,7 +15,14 @@ OAK, DARK_OAK, WHITE, STEEL, BLACK = (172, 128, 82), (118, 82, 52), (236, 234, 2
 def cup() -> Model:
     """7.2 cm wide, 9.5 cm high, 18 segments; the wall is straight where a hand takes it."""
     profile = [
-        (0.0, 0.0), (3.2, 0.0), (3.6, 0.5), (3.6, 9.35), (3.42, 9.5), (3.25, 9.35), (3.25, 0.9), (0.0, 0.7),
+        (0.0, 0.0),
+        (3.2, 0.0),
+        (3.6, 0.5),
+        (3.6, 9.35),
+        (3.42, 9.5),
+        (3.25, 9.35),
+        (3.25, 0.9),
+        (0.0, 0.7),
     ]
     piece = lathe("glaze", profile, 18)
     widest = [np.hypot(*piece.corners[f][:, :2].T).max() for f in piece.faces]
@@ -23,7 +30,8 @@ def cup() -> Model:
     inside = [f for f, r, up in zip(piece.faces, widest, raised, strict=True) if r < 3.3 and up]
     outside = [f for f in piece.faces if f not in inside]
     return [Piece("glaze", piece.corners, outside), Piece("inside", piece.corners, inside)], {
-        "glaze": (206, 84, 52), "inside": (244, 238, 226),
+        "glaze": (206, 84, 52),
+        "inside": (244, 238, 226),
     }
 
 
@@ -100,8 +108,12 @@ def _panelled_leaf() -> Piece:
                 x0, x1, z0, z1 = xs[i], xs[i + 1], zs[k], zs[k + 1]
                 outer = [[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]]
                 if i == 1 and k in (1, 3):
-                    inner = [[x0 + 1, y - 0.9 * side, z0 + 1], [x1 - 1, y - 0.9 * side, z0 + 1],
-                             [x1 - 1, y - 0.9 * side, z1 - 1], [x0 + 1, y - 0.9 * side, z1 - 1]]
+                    inner = [
+                        [x0 + 1, y - 0.9 * side, z0 + 1],
+                        [x1 - 1, y - 0.9 * side, z0 + 1],
+                        [x1 - 1, y - 0.9 * side, z1 - 1],
+                        [x0 + 1, y - 0.9 * side, z1 - 1],
+                    ]
                     order = [[j, (j + 1) % 4, 4 + (j + 1) % 4, 4 + j] for j in range(4)] + [[4, 5, 6, 7]]
                     add(outer + inner, order if side < 0 else [f[::-1] for f in order])
                 else:
@@ -151,14 +163,19 @@ def television() -> Model:
     pieces = [
         _cushioned("cabinet", (-22, -48, 6), (18, 48, 44), 0.6),
         box("plinth", (-18, -44, 0), (14, 44, 6), top=False),
-        box("front", (18, -46.5, 8), (18.6, -0.4, 42)), box("front", (18, 0.4, 8), (18.6, 46.5, 42)),
+        box("front", (18, -46.5, 8), (18.6, -0.4, 42)),
+        box("front", (18, 0.4, 8), (18.6, 46.5, 42)),
         slab("body", rounded(26, 44, 6, 2), [(44.0, 0.0), (45.0, 0.0), (45.6, 0.6)]),
         loft("body", [_neck(-2, 8, z) for z in (45.6, 53.0)], bottom=False, top=False),
         bevelled("body", (-5, -45, 50), (5.5, 45, 111), 1.5),
     ]
     pieces.append(_screen())
     return pieces, {
-        "cabinet": (96, 70, 50), "plinth": BLACK, "front": (126, 94, 66), "body": BLACK, "screen": (90, 130, 180),
+        "cabinet": (96, 70, 50),
+        "plinth": BLACK,
+        "front": (126, 94, 66),
+        "body": BLACK,
+        "screen": (90, 130, 180),
     }
 
 
@@ -191,21 +208,41 @@ def sink() -> Model:
         front = _cushioned("front", (-0.0, 0.4, 0.0), (69.0, 38.6, 2.0), 0.5)  # lying; stood up to look along +x
         pieces.append(front.turned("y", 90).moved(28.0, y, 80.0))
     pieces += _worktop()
-    return pieces, {"cabinet": (206, 204, 196), "plinth": (70, 70, 72), "front": (150, 174, 172), "steel": STEEL,
-                    "basin": (150, 156, 162)}
+    return pieces, {
+        "cabinet": (206, 204, 196),
+        "plinth": (70, 70, 72),
+        "front": (150, 174, 172),
+        "steel": STEEL,
+        "basin": (150, 156, 162),
+    }
 
 
 def _worktop() -> list[Piece]:
     """A steel top with a rounded basin sunk into it: the hole's ring is joined to the border's."""
     n = 12
     outline = rounded(40, 52, 8, 2)
-    border = [(30, -60), (30, -20), (30, 20), (30, 60), (10, 60), (-10, 60), (-30, 60), (-30, 20), (-30, -20),
-              (-30, -60), (-10, -60), (10, -60)]
+    border = [
+        (30, -60),
+        (30, -20),
+        (30, 20),
+        (30, 60),
+        (10, 60),
+        (-10, 60),
+        (-30, 60),
+        (-30, 20),
+        (-30, -20),
+        (-30, -60),
+        (-10, -60),
+        (10, -60),
+    ]
     hole = [(x + 4, y) for x, y in outline]
     rings = [[[x, y, 82.0] for x, y in border], [[x, y, 86.0] for x, y in border]]
     sides = loft("steel", rings, top=False)
-    top = Piece("steel", np.array([[x, y, 86.0] for x, y in border] + [[x, y, 86.0] for x, y in hole]),
-                [[i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n)])
+    top = Piece(
+        "steel",
+        np.array([[x, y, 86.0] for x, y in border] + [[x, y, 86.0] for x, y in hole]),
+        [[i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n)],
+    )
     inset = [(4 + 0.86 * (x - 4), 0.9 * y) for x, y in hole]
     walls = [[[x, y, 68.0] for x, y in inset], [[x, y, 86.0] for x, y in hole]]
     basin = loft("basin", walls, top=False)
@@ -228,7 +265,8 @@ def tap() -> Model:
 def bed() -> Model:
     """A bed along x, its head at -x; 205 x 98 cm, the mattress 48 cm high."""
     pieces = [
-        box("frame", (-100, -48, 14), (100, 48, 28)), box("frame", (-102.5, -49, 0), (-98, 49, 80)),
+        box("frame", (-100, -48, 14), (100, 48, 28)),
+        box("frame", (-102.5, -49, 0), (-98, 49, 80)),
         box("frame", (98, -49, 0), (102.5, 49, 40)),
         _cushioned("sheet", (-97.5, -46, 28), (97.5, 46, 46), 3.0),
         box("quilt", (-45, -47.5, 27), (97.8, 47.5, 48), bottom=False),
@@ -254,8 +292,12 @@ def bookshelf() -> Model:
     for z in (5.0, 62.0, 119.0, 177.5):
         pieces.append(box("wood", (-15, -42.5, z), (15, 42.5, z + 2.5)))
     for z, y0, y1, height, front in (
-        (7.5, -42, -5, 34, 9), (7.5, -5, 26, 28, 7), (64.5, -34, 4, 30, 8), (64.5, 4, 42, 35, 10),
-        (121.5, -42, -8, 29, 8), (121.5, -8, 12, 34, 9),
+        (7.5, -42, -5, 34, 9),
+        (7.5, -5, 26, 28, 7),
+        (64.5, -34, 4, 30, 8),
+        (64.5, 4, 42, 35, 10),
+        (121.5, -42, -8, 29, 8),
+        (121.5, -8, 12, 34, 9),
     ):
         block = box("pages", (-12, y0, z), (front, y1, z + height), bottom=False)
         pieces.append(Piece("pages", block.corners, [f for f in block.faces if f != [1, 2, 6, 5]]))

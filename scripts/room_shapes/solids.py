@@ -47,7 +47,8 @@ def loft(layer: str, rings: Sequence[Points], *, bottom: bool = True, top: bool 
     corners = np.array([p for ring in rings for p in ring], float)
     faces = [
         [k * n + i, k * n + (i + 1) % n, (k + 1) * n + (i + 1) % n, (k + 1) * n + i]
-        for k in range(len(rings) - 1) for i in range(n)
+        for k in range(len(rings) - 1)
+        for i in range(n)
     ]
     if bottom:
         faces.append(list(range(n))[::-1])
@@ -74,10 +75,18 @@ def bevelled(layer: str, low: Sequence[float], high: Sequence[float], bevel: flo
         x0, y0, x1, y1 = low[0], low[1], high[0], high[1]
         b = bevel
         i = inset
-        rings.append([
-            [x0 + b, y0 + i, z], [x1 - b, y0 + i, z], [x1 - i, y0 + b, z], [x1 - i, y1 - b, z],
-            [x1 - b, y1 - i, z], [x0 + b, y1 - i, z], [x0 + i, y1 - b, z], [x0 + i, y0 + b, z],
-        ])
+        rings.append(
+            [
+                [x0 + b, y0 + i, z],
+                [x1 - b, y0 + i, z],
+                [x1 - i, y0 + b, z],
+                [x1 - i, y1 - b, z],
+                [x1 - b, y1 - i, z],
+                [x0 + b, y1 - i, z],
+                [x0 + i, y1 - b, z],
+                [x0 + i, y0 + b, z],
+            ]
+        )
     # At the two ends the ring's short sides have no length: only its corners count.
     piece = loft(layer, rings)
     return _without_slivers(piece)

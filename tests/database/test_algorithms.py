@@ -111,14 +111,20 @@ def test_a_new_algorithm_and_a_changed_one_are_seen(workspace: Workspace) -> Non
 
 def test_parameters_are_filled_converted_and_ranged() -> None:
     declared = {
-        "speed": Parameter("float", default=1.0, minimum=0.0), "times": Parameter("int"),
-        "soft": Parameter("bool", default=False), "path": Parameter("floats", default=[0.0]),
+        "speed": Parameter("float", default=1.0, minimum=0.0),
+        "times": Parameter("int"),
+        "soft": Parameter("bool", default=False),
+        "path": Parameter("floats", default=[0.0]),
     }
     assert fill(declared, {"times": "3", "soft": "true", "path": "1,2.5", "other": 1}) == {
-        "speed": 1.0, "times": 3, "soft": True, "path": [1.0, 2.5]
+        "speed": 1.0,
+        "times": 3,
+        "soft": True,
+        "path": [1.0, 2.5],
     }
     for given, sentence in (
-        ({}, "times: missing; it is int without a default"), ({"times": 2.5}, "times: 2.5 is no int"),
+        ({}, "times: missing; it is int without a default"),
+        ({"times": 2.5}, "times: 2.5 is no int"),
         ({"times": 1, "speed": -1}, "speed: -1 is out of range; allowed: 0 to any"),
         ({"times": True}, "times: True is no finite number"),
         ({"times": 1, "soft": "perhaps"}, "soft: 'perhaps' is no bool"),

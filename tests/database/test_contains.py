@@ -103,9 +103,7 @@ def test_the_difference_follows_the_file(workspace: Workspace) -> None:
 def test_moving_a_parent_moves_no_child_by_itself(workspace: Workspace) -> None:
     add_object(workspace, "button", "")
     add_object(workspace, "panel", PANEL)
-    changes = difference(
-        workspace.objects.place("panel", "p"), workspace.objects.place("panel", "p", (1.0, 0.0, 0.0))
-    )
+    changes = difference(workspace.objects.place("panel", "p"), workspace.objects.place("panel", "p", (1.0, 0.0, 0.0)))
     assert [p.name for p in changes.moved] == ["p"]
     assert not changes.added
     assert not changes.removed

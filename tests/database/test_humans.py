@@ -26,9 +26,11 @@ def human_toml(skeleton: Skeleton) -> str:
 def skin(names: tuple[str, ...]) -> bytes:
     """The least GLB that is skinned to joints of these names."""
     header = {
-        "asset": {"version": "2.0"}, "nodes": [{"name": n} for n in names],
+        "asset": {"version": "2.0"},
+        "nodes": [{"name": n} for n in names],
         "skins": [{"joints": list(range(len(names)))}],
-        "meshes": [{"primitives": [{"attributes": {}, "indices": 0}]}], "accessors": [{"count": 36}],
+        "meshes": [{"primitives": [{"attributes": {}, "indices": 0}]}],
+        "accessors": [{"count": 36}],
     }
     text = json.dumps(header).encode()
     text += b" " * (-len(text) % 4)
@@ -77,8 +79,12 @@ def test_mistakes_in_human_toml(workspace: Workspace, was: str, written: str, se
 
 @pytest.mark.parametrize(
     ("glb", "sentence"),
-    [(b"no glb", "no GLB file"), (skin(LINKS[::-1]), "must have the 43 links in their order"),
-     (skin(LINKS[:15]), "its skin has 15 joints"), (b"glTF" + b"\0" * 40, "no skinned, indexed mesh")],
+    [
+        (b"no glb", "no GLB file"),
+        (skin(LINKS[::-1]), "must have the 43 links in their order"),
+        (skin(LINKS[:15]), "its skin has 15 joints"),
+        (b"glTF" + b"\0" * 40, "no skinned, indexed mesh"),
+    ],
 )
 def test_a_shape_that_is_not_skinned_to_the_links(workspace: Workspace, glb: bytes, sentence: str) -> None:
     add_human(workspace, human_toml(Skeleton.of(1.62, "female", "mia")), glb)

@@ -70,7 +70,8 @@ def test_init_says_what_cannot_be_written(workspace: Workspace) -> None:
 
 def test_check_tells_every_fault_once(workspace: Workspace) -> None:
     add_object(
-        workspace, "cup",
+        workspace,
+        "cup",
         'shape = "gone.dxf"\n[affordances.nod]\nhuman_algorithm = "nod"\nmotion = "gone.npz"\n'
         "parameters = { dept = 1.0 }\n"
         '[affordances.fall]\nhuman_algorithm = "fall"\nobject_algorithm = "missing"\n',

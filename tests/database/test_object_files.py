@@ -66,8 +66,13 @@ def test_orientation_in_degrees_turns_about_x_then_y_then_z(workspace: Workspace
 
 @pytest.mark.parametrize(
     ("states", "afforded"),
-    [({"lamp": "on", "level": 0.5}, True), ({"lamp": "on", "level": 0.1}, False), ({"lamp": "off", "level": 1.0}, True),
-     ({"lamp": "off", "level": 0.5}, False), ({}, False)],
+    [
+        ({"lamp": "on", "level": 0.5}, True),
+        ({"lamp": "on", "level": 0.1}, False),
+        ({"lamp": "off", "level": 1.0}, True),
+        ({"lamp": "off", "level": 0.5}, False),
+        ({}, False),
+    ],
 )
 def test_an_action_is_afforded_while_its_condition_holds(
     workspace: Workspace, states: dict[str, str | float], afforded: bool
@@ -80,8 +85,11 @@ def test_an_action_is_afforded_while_its_condition_holds(
 @pytest.mark.parametrize(
     ("was", "written", "sentence"),
     [
-        ('site = "handle"', 'site = "hadle"',
-         'objectdb/cup/object.toml: affordances.grasp.site (line 23): no site "hadle"; this object has: handle, rim'),
+        (
+            'site = "handle"',
+            'site = "hadle"',
+            'objectdb/cup/object.toml: affordances.grasp.site (line 23): no site "hadle"; this object has: handle, rim',
+        ),
         ("[sites.rim]", "[sites.rim]\npositon = [0, 0, 1]", 'no key "positon" here, did you mean "position"'),
         ("sentence =", "sentense =", 'objectdb/cup/object.toml: sentense (line 3): no key "sentense" here'),
         ('"A cup."', "3", "sentence (line 3): expected text in quotes, got a whole number"),

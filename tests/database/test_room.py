@@ -13,8 +13,18 @@ from ahmss.database import Workspace
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 TABLE_5_7 = {
-    "chair": 98, "table": 320, "door": 268, "floor": 10368, "sink": 185, "television": 167, "wall_1": 2, "wall_2": 2,
-    "bed": 94, "lamp": 568, "bookshelf": 90, "cup": 216,
+    "chair": 98,
+    "table": 320,
+    "door": 268,
+    "floor": 10368,
+    "sink": 185,
+    "television": 167,
+    "wall_1": 2,
+    "wall_2": 2,
+    "bed": 94,
+    "lamp": 568,
+    "bookshelf": 90,
+    "cup": 216,
 }
 
 

@@ -207,7 +207,10 @@ def test_a_million_faces_are_counted_and_refused(workspace: Workspace) -> None:
 def test_a_gltf_may_not_fetch_from_outside(workspace: Workspace) -> None:
     (workspace.root.parent / "secret.bin").write_bytes(b"\0" * 36)
     gltf = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
         "buffers": [{"byteLength": 36, "uri": "../../../secret.bin"}],
         "bufferViews": [{"buffer": 0, "byteLength": 36}],
@@ -220,8 +223,11 @@ def test_a_gltf_may_not_fetch_from_outside(workspace: Workspace) -> None:
 
 @pytest.mark.parametrize(
     ("data", "sentence"),
-    [(b"GIF89a", "no PNG or JPEG picture"), (b"\x89PNG\r\n\x1a\n broken", "no PNG or JPEG picture"),
-     (picture(kind="BMP"), "no PNG or JPEG picture")],
+    [
+        (b"GIF89a", "no PNG or JPEG picture"),
+        (b"\x89PNG\r\n\x1a\n broken", "no PNG or JPEG picture"),
+        (picture(kind="BMP"), "no PNG or JPEG picture"),
+    ],
 )
 def test_bad_pictures(workspace: Workspace, data: bytes, sentence: str) -> None:
     put(workspace, "t.dxf", faces_dxf(ONE))

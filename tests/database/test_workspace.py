@@ -31,9 +31,14 @@ def test_a_named_folder_without_objectdb_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("path", "sentence"),
-    [("/etc/passwd", "is an absolute path"), ("../../../secret.dxf", "leads out of the workspace"),
-     ("link.dxf", "leads out of the workspace"), ("folder/secret.dxf", "leads out of the workspace"),
-     ("C:/secret.dxf", "is an absolute path"), ("", "is no file name")],
+    [
+        ("/etc/passwd", "is an absolute path"),
+        ("../../../secret.dxf", "leads out of the workspace"),
+        ("link.dxf", "leads out of the workspace"),
+        ("folder/secret.dxf", "leads out of the workspace"),
+        ("C:/secret.dxf", "is an absolute path"),
+        ("", "is no file name"),
+    ],
 )
 def test_no_path_leaves_the_workspace(tmp_path: Path, path: str, sentence: str) -> None:
     root = tmp_path / "workspace"
