@@ -1,7 +1,8 @@
 """An object that follows the hand (Ichiguchi 2000, 5.3.4).
 
-It is caught when the palm is at its wall; from then on it keeps its pose in the palm as it was at that moment, so it
-does not jump, and stays caught for as long as this algorithm runs, whatever the human does.
+It is caught when the motion that closes the hand is over and the palm is at its wall. From then on it keeps its pose in
+the palm as it was at that moment, so it does not jump, and stays caught for as long as this algorithm runs, whatever
+the human does.
 """
 
 from __future__ import annotations
@@ -21,20 +22,13 @@ def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:
     for human in task.frames():
         grip = human.grip(side)
         if in_palm is None:
-            if not _caught(task, grip, human.k):
+            closed = human.k >= task.length
+            if not closed or abs(_from_wall(task, grip)) > task.parameter("threshold", 0.03):
                 yield task.pose()
                 continue
             in_palm = grip.inverse().then(task.object.frame)
         followed = grip.then(in_palm)
         yield task.pose(followed.place, normalize(followed.rotation))
-
-
-def _caught(task: ObjectTask, grip: Transform, k: int) -> bool:
-    """Whether the palm touches the wall, or is near enough at the end of the motion that closes the hand."""
-    distance = abs(_from_wall(task, grip))
-    if distance <= task.parameter("touch", 0.001):
-        return True
-    return k >= task.length and distance <= task.parameter("threshold", 0.03)
 
 
 def _from_wall(task: ObjectTask, grip: Transform) -> float:

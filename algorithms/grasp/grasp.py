@@ -20,7 +20,7 @@ from fingers import Cylinder, closed, opened  # isort: skip - the file beside th
 
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers
-THERE_BY, OPEN_BY = 0.6, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
+THERE_BY, OPEN_BY = 0.75, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
 GAZE = 4
 
 

@@ -19,9 +19,9 @@ from motions.scene import Scene
 
 __all__ = ["clips"]
 
-OPEN_HAND = Fingers(knuckle=14.0, middle=20.0, end=8.0, thumb=80.0, thumb_bend=0.0, thumb_away=18.0, spread=0.0)
+OPEN_HAND = Fingers(knuckle=8.0, middle=16.0, end=8.0, thumb=95.0, thumb_bend=0.0, thumb_away=18.0, spread=0.0)
 AROUND = Fingers(knuckle=45.0, middle=45.0, end=25.0, thumb=72.0, thumb_bend=0.0, thumb_away=18.0, spread=0.0)
-GAP = 0.025  # metres between palm and cup where the reach ends and the grasp begins
+GAP = 0.034  # metres between palm and cup where the reach ends and the grasp begins
 INTO_FINGERS = 0.01  # as in algorithms/grasp
 HEAD = INDEX["head"]
 ORIGIN = "made by scripts/make_motions.py"

@@ -1,0 +1,1 @@
+"""The table scenario, played once and measured."""
