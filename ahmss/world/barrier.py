@@ -34,6 +34,14 @@ class Barrier:
         """The clients that take part, in the order of their humans' names."""
         return [self._owners[name] for name in self._queues if name in self._owners]
 
+    @property
+    def is_ahead(self) -> bool:
+        """Whether a main alone has sent its next frame already: then a quiet tick needs no answer yet."""
+        if len(self._queues) != 1:
+            return False
+        (queue,) = self._queues.values()
+        return bool(queue) and isinstance(queue[0], bytes)
+
     def name_of(self, owner: bytes) -> str:
         """The human of a client that takes part, else ""."""
         return self._names.get(owner, "")

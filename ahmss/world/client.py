@@ -12,7 +12,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import msgspec
 import numpy as np
@@ -44,6 +44,9 @@ from ahmss.world.view import World
 __all__ = ["WorldClient"]
 
 _MOST_REFUSALS = 100
+_BUNDLE = 8
+_AHEAD = 32
+_READABLE = int(zmq.POLLIN)
 R = TypeVar("R")
 
 
@@ -97,7 +100,9 @@ class WorldClient:
         self._owns_context = context is None
         self._own: dict[str, _Own] = {}
         self._closed = False
-        self._behind = 0
+        self._alone = False
+        self._published = self._completed = 0
+        self._unsent: list[bytes] = []
         self._snapshots: zmq.Socket[bytes] | None = None
         self._snapshot_port = 0
         self._shown: Snapshot | None = None
@@ -150,21 +155,22 @@ class WorldClient:
             own.places.update((int(row[0]), row[1:]) for row in moved)
         if not self._link.is_up:
             self._link.pump()
-        sent = self._link.is_up and self._link.send(data)
-        if sent and self.lockstep:
-            self._behind += 1
-            if moved is not None and len(moved):
-                self.world.place_own(moved[:, 0], moved[:, 1:])
-        return sent
+        if not self.lockstep:
+            return self._link.is_up and self._link.send(data)
+        self._published += 1
+        if moved is not None and len(moved):
+            self.world.place_own(moved[:, 0], moved[:, 1:])
+        self._unsent.append(data)
+        if not self._alone or len(self._unsent) >= _BUNDLE:
+            self._send_frames()
+        return self._link.is_up
 
     def poll(self) -> World:
         """Take in what has come and give the newest world."""
         self._link.pump()
-        if self._snapshots is not None:
+        if self._snapshots is not None and cast(int, self._snapshots.getsockopt(zmq.EVENTS)) & _READABLE:
             try:
                 self._see(decode_snapshot(self._snapshots.recv(zmq.NOBLOCK)))
-            except zmq.Again:
-                pass
             except ProtocolError as error:
                 self._note(str(error))
         self._fetch_scene()
@@ -180,6 +186,7 @@ class WorldClient:
 
     def begin(self, request: Request) -> Pending:
         """Ask without waiting; `poll` or `collect` brings the answer into the Pending."""
+        self._send_frames()
         return self._link.ask(request)
 
     def finish(self, pending: Pending, timeout: float | None = None) -> Reply:
@@ -191,21 +198,23 @@ class WorldClient:
     def collect(self, behind: int = 0, timeout: float = 60.0) -> World:
         """Lockstep: wait until the world has completed all but the last `behind` published frames.
 
+        A main alone waits for nobody: with `behind` above 0 it may be as many as 32 frames ahead of the world.
+
         Raises:
             Unreachable: it has not in `timeout` seconds; another main hangs, or the server is gone.
         """
         limit = time.monotonic() + timeout
-        while self._behind > behind:
-            self._link.pump()
-            if self._behind <= behind:
-                break
-            left = limit - time.monotonic()
-            if left <= 0 or not self._link.is_up:
+        if self._alone and behind > 0:
+            behind = _AHEAD
+        else:
+            self._send_frames()
+        while self._published - self._completed > behind:
+            self._link.take_one()
+            if time.monotonic() > limit or not self._link.is_up:
                 raise Unreachable(
                     f"the server at {self.address} has not completed the frame in {timeout:g} s; "
                     "another main may hang: see the server's log"
                 )
-            self._link.rest(left)
         return self.world
 
     def sync(self, human: str, line: str, names: Sequence[str]) -> Pending:
@@ -328,9 +337,18 @@ class WorldClient:
             raise ProtocolError(f"world protocol: {type(request).__name__} was answered by {type(reply).__name__}")
         return reply
 
+    def _send_frames(self) -> None:
+        """Lockstep: send the frames that wait, several of a main alone in one message."""
+        if not self._unsent:
+            return
+        data = self._unsent[0] if len(self._unsent) == 1 else frames.bundle(self._unsent)
+        self._unsent.clear()
+        self._link.send(data)
+
     def _greet(self) -> None:
         """At each new connection: who are you, and here are my humans with what they hold."""
-        self._behind = 0
+        self._published = self._completed = 0
+        self._unsent.clear()
         self._link.ask(schema.Hello())
         self._rejoin()
 
@@ -358,7 +376,10 @@ class WorldClient:
             self._subscribe(reply)
         elif isinstance(reply, Scene):
             self._load(reply)
-        elif isinstance(reply, schema.Joined) and isinstance(request, schema.Join) and request.name in self._own:
+        elif isinstance(reply, schema.Joined) and isinstance(request, schema.Join):
+            self._published = self._completed = reply.tick
+            if request.name not in self._own:
+                return
             own = self._own[request.name]
             own.id = reply.id
             for name in reply.lost:
@@ -387,7 +408,7 @@ class WorldClient:
 
     def _subscribe(self, welcome: schema.Welcome) -> None:
         """Follow the published snapshots; again where a restarted server has them on another port."""
-        self.lockstep = welcome.lockstep
+        self.lockstep, self._alone = welcome.lockstep, welcome.alone
         if not self._follow or welcome.snapshots == self._snapshot_port:
             return
         if self._snapshots is not None:
@@ -421,7 +442,7 @@ class WorldClient:
 
     def _unasked(self, reply: Reply) -> None:
         if isinstance(reply, schema.Ticked):
-            self._behind -= 1
+            self._completed = reply.tick
             self.world.apply(reply)
         elif isinstance(reply, schema.JoinFirst):
             self._rejoin()

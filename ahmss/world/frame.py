@@ -7,16 +7,18 @@ then for each object id, place 3, rotation 4 as float64. No msgpack struct begin
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
+from ahmss.errors import ProtocolError
 from ahmss.world.schema import POSE_WIDTH
 
 __all__ = [
-    "FRAME_VERSION", "HEADER", "KIND", "POSE_BYTES", "ROW_BYTES", "ROW_WIDTH",
-    "faulty", "is_faulty_pose", "is_faulty_row", "pack",
+    "BUNDLE", "FRAME_VERSION", "HEADER", "KIND", "POSE_BYTES", "ROW_BYTES", "ROW_WIDTH",
+    "bundle", "faulty", "is_faulty_pose", "is_faulty_row", "pack", "unbundle",
 ]  # fmt: skip
 
 KIND = 0x46
@@ -25,6 +27,9 @@ HEADER = struct.Struct("<BBHIQ")
 POSE_BYTES = POSE_WIDTH * 8
 ROW_WIDTH = 8
 ROW_BYTES = ROW_WIDTH * 8
+
+BUNDLE = 0x42
+_LENGTH = struct.Struct("<I")
 
 _SHORTEST, _LONGEST = 0.999, 1.001
 """Squared norms that pass for 1: float32 and a few products are no fault."""
@@ -39,6 +44,27 @@ def pack(human: int, frame: int, root: Array, rotations: Array, moved: Array | N
     head = HEADER.pack(KIND, FRAME_VERSION, count, human, frame)
     body = root.astype("<f8", copy=False).tobytes() + rotations.astype("<f8", copy=False).tobytes()
     return head + body if moved is None else head + body + moved.astype("<f8", copy=False).tobytes()
+
+
+def bundle(frames: Iterable[bytes]) -> bytes:
+    """Several frames in one message ("B", then each with its length before it, u32): for a main alone in lockstep."""
+    parts = [bytes([BUNDLE])]
+    for frame in frames:
+        parts += (_LENGTH.pack(len(frame)), frame)
+    return b"".join(parts)
+
+
+def unbundle(data: bytes) -> list[bytes]:
+    """The frames of such a message. ProtocolError: it is cut off."""
+    frames: list[bytes] = []
+    at = 1
+    while at + _LENGTH.size <= len(data):
+        start = at + _LENGTH.size
+        at = start + _LENGTH.unpack_from(data, at)[0]
+        frames.append(data[start:at])
+    if at != len(data):
+        raise ProtocolError("world protocol: these frames are cut off")
+    return frames
 
 
 def faulty(places: Array, rotations: Array) -> NDArray[np.bool_]:

@@ -343,7 +343,10 @@ Request = (
 
 
 class Welcome(msgspec.Struct, frozen=True, tag="welcome"):
-    """The server's present: the port of its snapshots on the same host, its rate, whether it runs in lockstep."""
+    """The server's present: the port of its snapshots on the same host, its rate, whether it runs in lockstep.
+
+    `alone`: in lockstep with one main only, which may then send its frames several in a message.
+    """
 
     request: int
     snapshots: int
@@ -351,6 +354,7 @@ class Welcome(msgspec.Struct, frozen=True, tag="welcome"):
     lockstep: bool = False
     tick: int = 0
     version: int = VERSION
+    alone: bool = False
 
 
 class Done(msgspec.Struct, frozen=True, tag="done"):
@@ -401,7 +405,7 @@ class JoinFirst(msgspec.Struct, frozen=True, tag="join_first"):
 
 
 class Ticked(msgspec.Struct, frozen=True, tag="ticked"):
-    """Lockstep: frame `tick` of the world is complete. Says what others than the receiver have changed in it.
+    """Lockstep: the world is complete up to frame `tick`. Says what others than the receiver have changed in it.
 
     human_ids: n uint32. poses: n x 175 float64. object_ids: m uint32. places: m x 7 float64. `put` are records whose
     states, holder or existence changed (by anybody, in the order of names), `gone` ids of what was removed.

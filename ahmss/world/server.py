@@ -22,7 +22,7 @@ from ahmss.world.address import Address
 from ahmss.world.assets import Assets
 from ahmss.world.barrier import Barrier
 from ahmss.world.doorkeeper import Doorkeeper
-from ahmss.world.frame import KIND
+from ahmss.world.frame import BUNDLE, KIND, unbundle
 from ahmss.world.intake import Intake, UnknownHuman
 from ahmss.world.journal import Journal
 from ahmss.world.keys import ServerKeys
@@ -40,7 +40,8 @@ _LEASES_S = 0.25
 _COMPLAINTS_S = 60.0
 _SHOW_S = 1 / 60
 _STATS = 4096
-_FRAME = bytes([KIND])
+_WAIT_MS = 15
+_FRAME, _FRAMES = bytes([KIND]), bytes([BUNDLE])
 _AT_ONCE = int(zmq.NOBLOCK)
 _CROWD = 200
 """With so many humans, messages are let gather for a millisecond: taking in many at once is several times cheaper."""
@@ -183,8 +184,8 @@ class Server:
     def _run_lockstep(self, poller: zmq.Poller) -> None:
         """Lockstep: the mains' frames are the clock."""
         while not self._stopping:
-            if not self._drain():
-                poller.poll(15)
+            if not self._drain() and self._doorkeeper is not None:
+                poller.poll(_WAIT_MS)
             now = time.monotonic()
             while self._advance(now):
                 pass
@@ -194,15 +195,16 @@ class Server:
                 self._show(now)
 
     def _drain(self) -> bool:
-        """Take in what has come, but not for ever; whether there was anything."""
+        """Take in what has come, but not for ever; whether there was anything. In lockstep wait, and take one."""
         if self._doorkeeper is not None:
             self._doorkeeper.answer()
         receive, hear, intake = self._router.recv, self._sessions.hear, self._intake
         in_order = bool(self.settings.lockstep)
+        wait = 0 if in_order and self._doorkeeper is None else _AT_ONCE
         now = time.monotonic()
-        for count in range(_MOST_IN_A_ROW):
+        for count in range(1 if in_order else _MOST_IN_A_ROW):
             try:
-                identity = receive(_AT_ONCE)
+                identity = receive(wait)
             except zmq.Again:
                 return count > 0
             message = receive(_AT_ONCE, copy=False)
@@ -242,8 +244,8 @@ class Server:
     def _take_request(self, session: Session, data: bytes, now: float) -> None:
         """A request, or in lockstep also a frame: now, or when all have spoken."""
         identity = session.identity
-        if data[:1] == _FRAME and self._barrier.name_of(identity):
-            self._queue(session, data)
+        if self._barrier.name_of(identity) and data[:1] in (_FRAME, _FRAMES):
+            self._queue_frames(session, data, now)
             return
         try:
             request: Request = decode_request(data)
@@ -269,6 +271,14 @@ class Server:
             return True
         return bool(self._barrier.name_of(identity))
 
+    def _queue_frames(self, session: Session, data: bytes, now: float) -> None:
+        """A frame of lockstep, or several."""
+        try:
+            for frame in [data] if data[:1] == _FRAME else unbundle(data):
+                self._queue(session, frame)
+        except ProtocolError as error:
+            self._complain(session, error, now)
+
     def _queue(self, session: Session, entry: bytes | Request) -> None:
         if not self._barrier.push(session.identity, entry):
             self._complain(session, ProtocolError("far more is sent than lockstep takes; wait for the ticks"), 0.0)
@@ -289,8 +299,8 @@ class Server:
         number = request.request
         match request:
             case schema.Hello():
-                rate, lockstep = self.settings.rate, bool(self.settings.lockstep)
-                return schema.Welcome(number, self._snapshot_port, rate, lockstep, self.tick)
+                rate, mains = self.settings.rate, len(self.settings.lockstep)
+                return schema.Welcome(number, self._snapshot_port, rate, mains > 0, self.tick, alone=mains == 1)
             case schema.Heartbeat():
                 return schema.Done(number)
             case schema.PutAsset(hash=name, size=size):
@@ -328,7 +338,7 @@ class Server:
         reply = self.space.carry_out(identity, request, now)
         self._sessions.hear(identity, now).is_main = True
         self._meetings.join(request.group, request.name)
-        return reply
+        return msgspec.structs.replace(reply, tick=self.tick)
 
     def _present_scene(self, identity: bytes) -> schema.Scene:
         """In lockstep only a main's own place in the order may make a new scene."""
@@ -357,7 +367,7 @@ class Server:
         self._flush()
         self._check_leases(now)
         self.space.settle()
-        if self._publisher.is_recording:
+        if self._publisher.is_recording and self.space.revision > 0:  # a recording begins with the first that is there
             self._publisher.write(self.space.snapshot(self.tick, self.tick / self.settings.rate), now)
         self._publish(now)
         self._keep()
@@ -396,7 +406,8 @@ class Server:
         self._frames += len(self._intake.frames)
         changes = self.space.take_changes()
         self.space.settle()
-        for owner in self._barrier.owners:
+        more_comes = changes.is_quiet and self._barrier.is_ahead
+        for owner in () if more_comes else self._barrier.owners:
             self._reply(owner, self.space.ticked(self.tick, owner, changes, self._intake.frames))
         self._intake.frames.clear()
         if self._publisher.is_recording:
@@ -451,6 +462,7 @@ class Server:
         self._router.setsockopt(zmq.MAXMSGSIZE, LARGEST_MESSAGE)
         self._router.setsockopt(zmq.RCVHWM, 256)
         self._router.setsockopt(zmq.SNDHWM, 64)
+        self._router.setsockopt(zmq.RCVTIMEO, _WAIT_MS)
         self._pub = self._socket(zmq.PUB)
         self._pub.setsockopt(zmq.CONFLATE, 1)
         self._pub.setsockopt(zmq.MAXMSGSIZE, 4096)
