@@ -32,15 +32,18 @@ def blend(rotations: Array, importance: Array, previous: Array) -> Array:
             f"blend: rotations {rotations.shape}, importance {importance.shape} and previous {previous.shape} "
             "disagree; they must be (motions, ..., 43, 4), (motions, ..., 43) and (..., 43, 4)"
         )
-    # The sign of the dot product chooses the hemisphere; carried by the weight, it costs no extra pass.
-    weight = np.copysign(importance, np.einsum("m...c,...c->m...", rotations, previous))
+    # The sign of the dot product chooses the hemisphere; carried by the weight, it costs no pass over the rotations.
+    weight = np.einsum("m...c,...c->m...", rotations, previous)
+    np.copysign(importance, weight, weight)
     total = np.einsum("m...,m...c->...c", weight, rotations)
-    length = np.sqrt(np.einsum("...c,...c->...", total, total))
+    length = np.einsum("...c,...c->...", total, total)
+    np.sqrt(length, length)
     nobody = length < _NOBODY
     if nobody.any():
-        length = np.where(nobody, 1.0, length)
-        return np.where(nobody[..., None], previous, total / length[..., None])
-    return total / length[..., None]
+        length[nobody] = 1.0
+        total[nobody] = previous[nobody]
+    total /= length[..., None]
+    return total
 
 
 _NOBODY = 1e-12  # below this sum of importances nobody cares for the joint

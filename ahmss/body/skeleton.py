@@ -122,7 +122,9 @@ class Skeleton:
         """The inverse of `to_record`."""
         arrays = ("offsets", "tips", "mass", "radii", "limits", "grips", "soles", "eye")
         return cls(
-            name=record["name"], stature=record["stature"], sex=record["sex"],
+            name=record["name"],
+            stature=record["stature"],
+            sex=record["sex"],
             **{key: np.array(record[key], float) for key in arrays},
         )
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
+from ahmss.body.array import component_major
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, PARENTS
 from ahmss.body.quaternion import conjugate
@@ -81,3 +82,25 @@ def test_parents_stand_before_children_and_a_hand_has_fourteen_finger_links():
     for side in ("right", "left"):
         hand = INDEX[f"{side}_hand"]
         assert sum(PARENTS[link] == hand for link in range(43)) == 5
+
+
+def test_component_major_batches_give_the_same_and_can_be_overwritten():
+    rng = np.random.default_rng(8)
+    rotations, root = random_rotations(rng, 1300, 43), rng.normal(size=(1300, 3))  # more than one chunk
+    laid_out = component_major(1300, 43, 4)
+    laid_out[...] = rotations
+    expected = forward(rotations[1200], root[1200], SKELETON.offsets)
+    out = forward(laid_out, root, SKELETON.offsets)
+    for result, one in zip(out, expected, strict=True):
+        assert np.allclose(result[1200], one, atol=1e-13)
+    kept = [a.copy() for a in out]
+    again = forward(rotations[::-1], root[::-1], SKELETON.offsets, out)
+    assert again is out
+    for result, before in zip(out, kept, strict=True):
+        assert np.allclose(result[::-1], before, atol=1e-13)
+    assert np.getbufsize() == 8192  # numpy's own
+
+
+def test_component_major_lays_the_humans_together():
+    assert component_major(4, 10, 43, 4).strides == (4 * 43 * 10 * 8, 8, 10 * 8, 43 * 10 * 8)
+    assert component_major(4, 10, 43).strides == (43 * 10 * 8, 8, 10 * 8)
