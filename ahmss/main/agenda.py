@@ -46,6 +46,11 @@ class Agenda:
         """Whether nothing is left to do."""
         return self._unfinished == 0
 
+    @property
+    def asks_the_world(self) -> bool:
+        """Whether the next step depends on how the world is now."""
+        return self._waits is not None or (bool(self._steps) and not self._main.control.busy)
+
     def add(self, step: Step) -> None:
         """Append a line."""
         with self._lock:

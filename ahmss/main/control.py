@@ -53,6 +53,13 @@ class Control:
         return bool(self._motions)
 
     @property
+    def starts(self) -> bool:
+        """Whether something starts with the next frame: a motion, or an object whose claim is under way."""
+        if any(motion.process is None and motion.countdown == 0 for motion in self._motions):
+            return True
+        return any(mover.claim is not None for mover in self._movers.values())
+
+    @property
     def holds(self) -> dict[str, str]:
         """The objects that were taken, each with the hand that holds it."""
         return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes}

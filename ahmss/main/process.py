@@ -109,7 +109,8 @@ class MainProcess:
     def frame(self) -> None:
         """One frame: the command part's next line, then the motions, the blend, the objects, the world."""
         patience = _FAST_PATIENCE + 1.0 if self.setup.fast else _SHARE * self.pace.period
-        self.communication.update()
+        if self.agenda.asks_the_world or self.control.starts:
+            self.communication.update()
         self._listen()
         self.agenda.step()
         self.control.start_due(self.actor)
@@ -117,6 +118,7 @@ class MainProcess:
         self.blending.step(self.control.contributions)
         self.control.ask_objects(self.blending)
         self.control.ask_humans()
+        self.communication.update()  # while they compute
         moved = self.control.collect_objects(self.blending, patience)
         self.communication.publish(self.blending.root, self.blending.rotations, moved)
         self.control.end_finished()

@@ -35,6 +35,7 @@ ken: do b shake frames 20
 aiko: do c take frames 20
 aiko: wait 0.2
 ken: do b drop frames 10
+ken: do c bow frames 20
 """
 
 
