@@ -8,22 +8,25 @@ from __future__ import annotations
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
 __all__ = ["feet", "plant", "stance"]
 
-_FEET = [INDEX["right_foot"], INDEX["left_foot"]]
+# Both legs, link by link from the hip: only these are walked down, not the whole body.
+_LEGS = [[INDEX[f"{side}_{link}"] for side in ("right", "left")] for link in ("upper_leg", "lower_leg", "foot")]
 _UP = np.array([0.0, 0.0, 1.0])
 _FORWARD = np.array([1.0, 0.0, 0.0])
 
 
 def feet(skeleton: Skeleton, rotations: Array, root: Array) -> Array:
     """The foot links' frames (..., 2, 7), right and left, in the world: place of the ankle, rotation wxyz."""
-    places, world = forward(rotations, root, skeleton.offsets)
-    return np.concatenate([places[..., _FEET, :], world[..., _FEET, :]], axis=-1)
+    world, places = rotations[..., :1, :], root[..., None, :]
+    for links in _LEGS:
+        places = places + rotate(world, skeleton.offsets[links])
+        world = multiply(world, rotations[..., links, :])
+    return np.concatenate([places, world], axis=-1)
 
 
 def stance(foot_frames: Array) -> tuple[Array, Array]:

@@ -1,11 +1,13 @@
 """From the present pose through the keyframes of a clip by slerp (Ichiguchi 2000, 5.3.3).
 
 Every keyframe is reached at rest along a minimum-jerk profile. Hands with a target go there along their own path, the
-orientation set before the place; the gaze goes first, from the first frame. All frames are computed at the start.
+orientation set before the place; the gaze goes first. Nothing here depends on what happens meanwhile, so the frames are
+computed in two blocks.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,20 +28,28 @@ TURNED_BY = 0.75  # share of the time by which a hand has its orientation
 
 @dataclass(frozen=True)
 class Course:
-    """At each of N frames: the keyframe that comes next, the share of the time to it, and the share of the way."""
+    """At each of n frames: the keyframe that comes next, the share of the time to it, and the share of the way."""
 
     key: Array
     time: Array
     done: Array
 
 
-def slerp(task: HumanTask) -> Array:
-    """All frames (N, 260) from the present pose to the clip's last keyframe."""
+def slerp(task: HumanTask) -> Iterator[Array]:
+    """Frames from the present pose to the clip's last keyframe: the first at once, then all others (N - 1, 260)."""
     clip = task.posture or task.motion
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
     staged = stage(task, clip if task.posture is None else _last(clip))
-    course = _course(task.length, staged.clip)
+    frames = np.arange(1, task.length + 1)
+    yield _block(task, staged, frames[:1])
+    if task.length > 1:
+        yield _block(task, staged, frames[1:])
+
+
+def _block(task: HumanTask, staged: Staged, frames: Array) -> Array:
+    """The frames (n) asked for, as POSE rows (n, 260)."""
+    course = _course(task.length, frames, staged.clip)
     key = course.key
     before = np.maximum(key - 1, 0)
     start = np.concatenate([task.start.rotations[None], staged.rotations])
@@ -59,10 +69,10 @@ def _last(clip: Clip) -> Clip:
     )
 
 
-def _course(length: int, clip: Clip) -> Course:
-    """Spread the keyframes over the frames asked for: at the header's times, evenly where it has none."""
+def _course(length: int, frames: Array, clip: Clip) -> Course:
+    """Spread the keyframes over the length asked for: at the header's times, evenly where it has none."""
     times = np.array(clip.header.times or np.arange(1, clip.frames + 1) / clip.frames)
-    now = np.arange(1, length + 1) / length * times[-1]
+    now = frames / length * times[-1]
     key = np.minimum(np.searchsorted(times, now - 1e-9), clip.frames - 1)
     starts = np.concatenate([[0.0], times[:-1]])
     time = np.clip((now - starts[key]) / (times - starts)[key], 0.0, 1.0)
@@ -70,8 +80,8 @@ def _course(length: int, clip: Clip) -> Course:
 
 
 def _targets(task: HumanTask, staged: Staged, course: Course, rotations: Array, root: Array) -> Array:
-    """Targets (N, 5, 8): hands along their paths, feet where they stand, gaze."""
-    targets = np.zeros((task.length, 5, 8))
+    """Targets (n, 5, 8): hands along their paths, feet where they stand, gaze."""
+    targets = np.zeros((len(root), 5, 8))
     if staged.planted:
         targets[:, 2:4, :7], targets[:, 2:4, 7] = staged.feet, 1.0
     base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
@@ -84,13 +94,13 @@ def _targets(task: HumanTask, staged: Staged, course: Course, rotations: Array, 
 
 
 def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row: int) -> Array:
-    """A hand's target (N, 8): by minimum jerk from key to key, each of them moving with what it is relative to."""
-    ends = _wanted_grips(task, staged, base, row)
-    start = np.broadcast_to(task.start.grip(HANDS[row]).row(), ends[0].shape)
-    stops = np.stack([start, *ends])  # (K + 1, N, 7)
-    frames = np.arange(task.length)
+    """A hand's target (n, 8): by minimum jerk from key to key, each of them moving with what it is relative to."""
+    frames = np.arange(len(course.key))
+    shape = (len(frames), 7)
+    ends = [np.broadcast_to(frame.row(), shape) for frame in _wanted_grips(task, staged, base, row)]
+    stops = np.stack([np.broadcast_to(task.start.grip(HANDS[row]).row(), shape), *ends])  # (K + 1, n, 7)
     a, b = stops[course.key, frames], stops[course.key + 1, frames]
-    out = np.empty((task.length, 8))
+    out = np.empty((len(frames), 8))
     done = course.done[:, None]
     out[:, :3] = a[:, :3] + done * (b[:, :3] - a[:, :3])
     rise = task.parameter("arc", 0.03) * 16.0 * course.done**2 * (1.0 - course.done) ** 2
@@ -101,12 +111,11 @@ def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row:
     return out
 
 
-def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) -> list[Array]:
-    """Where the palm shall be at each key, (N, 7) each.
+def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) -> list[Transform]:
+    """Where the palm shall be at each key, once or at each frame.
 
     While the object is held, the clip says where the object's site goes, and the palm stays on it as it is.
     """
-    shape = (task.length, 7)
     wanted = [base.then(Transform.of(key)) for key in staged.local[:, row, :7]]
     grip = task.start.grip(HANDS[row])
     if task.hold in ("keep", "release") and task.site is not None and task.object is not None:
@@ -117,7 +126,7 @@ def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) ->
     elif task.goal_place is not None:
         rotation = wanted[-1].rotation if task.goal_rotation is None else task.goal_rotation
         wanted[-1] = Transform(np.broadcast_to(task.goal_place, (*rotation.shape[:-1], 3)), rotation)
-    return [np.broadcast_to(frame.row(), shape) for frame in wanted]
+    return wanted
 
 
 def _goal(task: HumanTask) -> Transform:
@@ -129,9 +138,9 @@ def _goal(task: HumanTask) -> Transform:
 
 
 def _gaze(task: HumanTask, staged: Staged, course: Course, base: Transform) -> Array:
-    """The gaze's target (N, 8), the next key's from the start: it goes first, as fast as main lets a head turn."""
+    """The gaze's target (n, 8), the next key's from the start: it goes first, as fast as main lets a head turn."""
     local = staged.local[course.key, GAZE]
-    out = np.zeros((task.length, 8))
+    out = np.zeros((len(local), 8))
     out[:, :3] = base.apply(local[:, :3])
     out[:, 7] = local[:, 7] * task.parameter("gaze", 1.0)
     return out
