@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 
+from ahmss.body.array import component_major
 from ahmss.body.blending import blend
 from ahmss.body.kinematics import forward
 from ahmss.body.links import LINKS
@@ -22,14 +23,18 @@ def us_per_human(humans: int = 1000, motions: int = 4, repeats: int = 60) -> flo
     skeleton = Skeleton.of()
     upright, root = skeleton.upright()
     noise = 0.2 * random.standard_normal((motions, humans, len(LINKS), 4))
-    rotations = normalize(upright + noise)
-    importance = random.random((motions, humans, len(LINKS)))
+    rotations = component_major(motions, humans, len(LINKS), 4)
+    rotations[...] = normalize(upright + noise)
+    importance = component_major(motions, humans, len(LINKS))
+    importance[...] = random.random((motions, humans, len(LINKS)))
     roots = root + random.standard_normal((humans, 3))
-    previous = np.broadcast_to(upright, (humans, len(LINKS), 4)).copy()
+    previous = component_major(humans, len(LINKS), 4)
+    previous[...] = upright
+    out = forward(previous, roots, skeleton.offsets)
     took: list[float] = []
     for _ in range(repeats):
         begun = time.perf_counter()
         previous = blend(rotations, importance, previous)
-        forward(previous, roots, skeleton.offsets)
+        forward(previous, roots, skeleton.offsets, out)
         took.append(time.perf_counter() - begun)
     return 1e6 * statistics.median(took) / humans
