@@ -21,7 +21,13 @@ def test_a_film_holds_every_frame_at_the_rate_of_the_recording(tmp_path: Path) -
     recording = record(tmp_path / "a.ahmss", 34)
     seen: list[tuple[int, int]] = []
     options = ViewOptions(
-        replay=recording, record=tmp_path / "a.mp4", sheet=tmp_path / "a.png", every=10, size=(160, 120), fine=False
+        replay=recording,
+        record=tmp_path / "a.mp4",
+        sheet=tmp_path / "a.png",
+        every=10,
+        size=(160, 120),
+        camera="front",
+        fine=False,
     )
     report = view(options, lambda done, total: seen.append((done, total)))
     film, rate = decode(tmp_path / "a.mp4", (160, 120))
@@ -31,8 +37,8 @@ def test_a_film_holds_every_frame_at_the_rate_of_the_recording(tmp_path: Path) -
     assert report.pictures == 34
     assert report.to_json()["files"] == [str(tmp_path / "a.mp4"), str(tmp_path / "a.png")]
     with Image.open(tmp_path / "a.png") as page:
-        columns, rows = layout(4, (320, 240))
-        assert page.size == (columns * 326 + 6, 30 + rows * 264 + 6)
+        columns, rows = layout(4, (340, 255))
+        assert page.size == (columns * 346 + 6, 30 + rows * 279 + 6)
 
 
 def test_the_film_shows_the_motion_and_the_red_box(tmp_path: Path) -> None:

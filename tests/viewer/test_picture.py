@@ -76,7 +76,7 @@ def test_a_box_casts_a_shadow_on_the_floor(draw: Draw) -> None:
     with_box = draw(stage, view)
     stage.remove_object(2)
     without = draw(stage, view)
-    shadow = np.array([0.25 + 0.08, 0.0, 0.0])  # the sun stands at -x
+    shadow = np.array([-0.25 - 0.08, 0.0, 0.0])  # the sun stands at +x
     assert pixel(without, shadow, view).mean() > pixel(with_box, shadow, view).mean() + 25
     far = np.array([-1.0, -1.0, 0.0])
     assert pixel(without, far, view) == pytest.approx(pixel(with_box, far, view), abs=3)

@@ -196,5 +196,3 @@ def _signals(stop: Stop) -> Generator[Stop]:
     finally:
         for kind, handler in zip(kinds, old, strict=True):
             signal.signal(kind, handler)
-
-

@@ -23,17 +23,17 @@ from ahmss_viewer.target import Screen, Target
 
 __all__ = ["Painter"]
 
-_SUN = np.array([-0.36, 0.30, 0.88])
+_SUN = np.array([0.34, 0.36, 0.87])
 _FARTHEST_SHADOW = 9.0  # metres from the middle of the picture; beyond it nothing that stands casts a shadow
 _IMAGE_UNIT, _SHADOW_UNIT = 0, 1
 
 
 class Painter:
-    """Draws in the current context. `fine`: softer shadows from larger maps, for recordings."""
+    """Draws in the current context. `fine`: shadows from larger maps, for recordings."""
 
     def __init__(self, *, fine: bool = False) -> None:
-        self._extra = ("FINE",) if fine else ()
-        self._programs: dict[tuple[str, int, bool], Program] = {}
+        self._soft = False
+        self._programs: dict[tuple[str, int, bool, bool], Program] = {}
         self._told: set[Program] = set()
         self._matrices: dict[str, Array] = {}
         self._vectors: dict[str, Array] = {}
@@ -46,9 +46,26 @@ class Painter:
         self._sun = _SUN / np.linalg.norm(_SUN)
 
     def draw(
-        self, stage: Stage, view: View, size: tuple[int, int], target: Target | Screen, flats: Sequence[Flat] = ()
+        self,
+        stage: Stage,
+        view: View,
+        size: tuple[int, int],
+        target: Target | Screen,
+        flats: Sequence[Flat] = (),
+        *,
+        soft: bool = False,
     ) -> None:
-        """Draw the stage as `view` sees it; `target.begin()` says where, size (width, height) is its pixels'."""
+        """Draw the stage as `view` sees it.
+
+        Args:
+            stage: what is to be seen.
+            view: from where.
+            size: width and height of the picture, in which the flats are placed.
+            target: where it is drawn.
+            flats: texts in front.
+            soft: shadows with soft borders, at twice the cost of a picture.
+        """
+        self._soft = soft
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDisable(GL.GL_BLEND)
         GL.glDisable(GL.GL_CULL_FACE)
@@ -139,9 +156,9 @@ class Painter:
 
     def _program(self, name: str, influences: int, *, textured: bool) -> Program:
         """The program for such a batch, compiled when it is first needed."""
-        key = (name, influences, textured)
+        key = (name, influences, textured, self._soft)
         if key not in self._programs:
-            defines = dict.fromkeys(self._extra, 1) | ({"TEXTURED": 1} if textured else {})
+            defines = ({"SOFT": 1} if self._soft else {}) | ({"TEXTURED": 1} if textured else {})
             defines |= {"SKINNED": 1, "INFLUENCES": influences} if influences else {}
             self._programs[key] = Program(name, defines)
         return self._programs[key]

@@ -53,9 +53,7 @@ class ShadowMap:
         GL.glTexParameterfv(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_BORDER_COLOR, np.ones(4, np.float32))
         self._framebuffer: Any = GL.glGenFramebuffers(1)
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._framebuffer)
-        GL.glFramebufferTexture2D(
-            GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self.texture, 0
-        )
+        GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, GL.GL_DEPTH_ATTACHMENT, GL.GL_TEXTURE_2D, self.texture, 0)
         GL.glDrawBuffer(GL.GL_NONE)
         GL.glReadBuffer(GL.GL_NONE)
 
@@ -84,9 +82,7 @@ class ShadowMap:
         if not copy:
             return False
         plane = GL.GL_TEXTURE_2D
-        copy(
-            other.texture, plane, 0, 0, 0, 0, self.texture, plane, 0, 0, 0, 0, self.size, self.size, 1
-        )
+        copy(other.texture, plane, 0, 0, 0, 0, self.texture, plane, 0, 0, 0, 0, self.size, self.size, 1)
         return True
 
     def bind(self, unit: int) -> None:

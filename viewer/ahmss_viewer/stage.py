@@ -81,7 +81,12 @@ class Stage:
     # objects
 
     def add_object(
-        self, id: int, name: str, surfaces: Sequence[Surface], place: Array, rotation: Array  # noqa: A002
+        self,
+        id: int,
+        name: str,
+        surfaces: Sequence[Surface],
+        place: Array,
+        rotation: Array,
     ) -> None:
         """Put a new object on the stage; surfaces shared with other objects (one kind) are uploaded once."""
         self.remove_object(id)

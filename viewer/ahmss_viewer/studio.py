@@ -33,9 +33,7 @@ class Studio:
         self.writer = Writer()
         self._targets: dict[tuple[tuple[int, int], bool], Target] = {}
 
-    def mirror(
-        self, asset: Callable[[str], bytes], skeleton: Callable[[HumanRecord], dict[str, Any]]
-    ) -> Mirror:
+    def mirror(self, asset: Callable[[str], bytes], skeleton: Callable[[HumanRecord], dict[str, Any]]) -> Mirror:
         """A mirror that shows a world on this studio's stage."""
         return Mirror(self.stage, asset, skeleton)
 
@@ -49,7 +47,7 @@ class Studio:
             self._targets[key] = Target(*size, supersampling=2 if best else 1, samples=samples)
         target = self._targets[key]
         shown = [*flats, *(name_flats(self.stage, view, size, self.writer) if names else ())]
-        self.painter.draw(self.stage, view, size, target, shown)
+        self.painter.draw(self.stage, view, size, target, shown, soft=best)
         self.stage.tick()
         return target.read()
 

@@ -11,7 +11,7 @@ in vec3 in_shadows;
 out vec4 pixel;
 
 float seen(vec3 place) {
-#ifdef FINE
+#ifdef SOFT
     float sum = 0.0;
     vec2 step = 1.4 / vec2(textureSize(shadows, 0));
     for (int i = -1; i <= 1; i++)
