@@ -14,7 +14,8 @@ __all__ = ["learn"]
 
 # Imported ahead; an author's own modules are read anew at each start.
 _INSTALLED = ("ahmss.algorithm", "ahmss.body", "ahmss.motion", "numpy", "scipy")
-_learned: set[tuple[str, int]] = set()
+_LARGEST = 2000  # frames of a clip that is resampled ahead
+_learned: set[tuple[str, int, int]] = set()
 
 
 def learn(request: Request) -> bool:
@@ -23,21 +24,22 @@ def learn(request: Request) -> bool:
     What can't be read is left for the worker to stumble over, which has somebody to tell.
     """
     news = False
-    for path in (request.argv[0], *request.clips):
+    for path, frames in ((request.argv[0], 0), *((clip, request.frames) for clip in request.clips)):
         with contextlib.suppress(OSError):
-            stamp = (path, Path(path).stat().st_mtime_ns)
+            stamp = (path, Path(path).stat().st_mtime_ns, frames)
             if stamp not in _learned:
                 _learned.add(stamp)
                 news = True
-                _read(path)
+                _read(path, frames)
     return news
 
 
-def _read(path: str) -> None:
+def _read(path: str, frames: int) -> None:
     """Take a file into memory."""
     with contextlib.suppress(Exception):
         if path.endswith(".npz"):
-            cache.clip(path)
+            if cache.clip(path).header.times is None and 0 < frames <= _LARGEST:
+                cache.resampled(path, frames + 1)  # the pose of frame 0 and those to be made
             return
         cache.code(path)
         for name in _imports(ast.parse(Path(path).read_bytes())):

@@ -9,8 +9,9 @@ from typing import NamedTuple, TypeVar
 
 from ahmss.motion import clip as clips
 
-__all__ = ["clip", "code", "touch"]
+__all__ = ["clip", "code", "resampled", "touch"]
 
+K = TypeVar("K")
 T = TypeVar("T")
 _LIMIT = 256  # entries of each kind; the oldest goes first
 
@@ -24,6 +25,7 @@ class _Stamp(NamedTuple):
 
 
 _clips: dict[str, tuple[_Stamp, clips.Clip]] = {}
+_resampled: dict[tuple[str, int], tuple[_Stamp, clips.Clip]] = {}
 _codes: dict[str, tuple[_Stamp, CodeType]] = {}
 
 
@@ -43,12 +45,26 @@ def clip(path: str) -> clips.Clip:
     known = _clips.get(path)
     if known is not None and known[0] == stamp:
         return known[1]
-    loaded = clips.load(Path(path))
-    for array in (loaded.rotations, loaded.root, loaded.importance, loaded.contacts, loaded.targets):
-        if array is not None:
-            array.flags.writeable = False
+    loaded = _frozen(clips.load(Path(path)))
     _remember(_clips, path, (stamp, loaded))
     return loaded
+
+
+def resampled(path: str, frames: int) -> clips.Clip:
+    """A motion clip in so many frames, made again only when its file has changed; its arrays can't be written.
+
+    Raises:
+        DataError, OSError, ValueError: as `ahmss.motion.clip.load` and `ahmss.motion.resample.resample`.
+    """
+    stamp = _stamp(path)
+    known = _resampled.get((path, frames))
+    if known is not None and known[0] == stamp:
+        return known[1]
+    from ahmss.motion.resample import resample  # it brings scipy, which most algorithms do without
+
+    made = _frozen(resample(clip(path), frames))
+    _remember(_resampled, (path, frames), (stamp, made))
+    return made
 
 
 def code(path: str) -> CodeType:
@@ -68,16 +84,24 @@ def code(path: str) -> CodeType:
 
 def touch() -> None:
     """Look at all that is remembered, so that a forked process has copied it before it is needed."""
-    for _, loaded in _clips.values():
+    for _, loaded in (*_clips.values(), *_resampled.values()):
         loaded.rotations.sum()
         repr(loaded.header)
     for _, compiled in _codes.values():
         hash(compiled)
 
 
-def _remember(cache: dict[str, T], path: str, entry: T) -> None:
+def _frozen(loaded: clips.Clip) -> clips.Clip:
+    """The clip, its arrays not to be written."""
+    for array in (loaded.rotations, loaded.root, loaded.importance, loaded.contacts, loaded.targets):
+        if array is not None:
+            array.flags.writeable = False
+    return loaded
+
+
+def _remember(cache: dict[K, T], key: K, entry: T) -> None:
     """Put an entry in, and the oldest out where there are too many."""
-    cache.pop(path, None)
-    cache[path] = entry
+    cache.pop(key, None)
+    cache[key] = entry
     if len(cache) > _LIMIT:
         del cache[next(iter(cache))]

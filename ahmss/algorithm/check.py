@@ -33,9 +33,7 @@ def check_human(row: Array, k: int) -> None:
         worst = int(importance.argmin())
         joint = "root" if worst == len(LINKS) else LINKS[worst]
         raise ProtocolError(f"the importance of {joint} is {importance[worst]:.3g}; it can't be negative")
-    targets = row[220:]
-    if targets.dot(targets):
-        _check_targets(targets.reshape(5, 8))
+    _check_targets(row[220:].tolist())
 
 
 def check_object(row: Array, k: int) -> None:
@@ -69,12 +67,13 @@ def _check_lengths(off: Array) -> None:
         raise ProtocolError(f"the rotation of {LINKS[worst]} has length {math.sqrt(off[worst] + 1.0):.3g}, not 1")
 
 
-def _check_targets(targets: Array) -> None:
-    """Weights from 0 to 1, rotations unit or all zero."""
-    for name, row in zip(TARGETS, targets, strict=True):
-        if not 0.0 <= row[7] <= 1.0:
-            raise ProtocolError(f"the weight of target {name} is {row[7]:.3g}; 0 to 1 is allowed")
-        square = float(row[3:7] @ row[3:7])
+def _check_targets(numbers: list[float]) -> None:
+    """Weights from 0 to 1, rotations unit or all zero; plain numbers, for a handful of them are faster than arrays."""
+    for row, name in enumerate(TARGETS):
+        w, x, y, z, weight = numbers[8 * row + 3 : 8 * row + 8]
+        if not 0.0 <= weight <= 1.0:
+            raise ProtocolError(f"the weight of target {name} is {weight:.3g}; 0 to 1 is allowed")
+        square = w * w + x * x + y * y + z * z
         if square != 0.0 and abs(square - 1.0) > _TOLERANCE:
             length = math.sqrt(square)
             raise ProtocolError(f"the rotation of target {name} has length {length:.3g}, not 1 (or all 0: free)")

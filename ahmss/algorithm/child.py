@@ -43,11 +43,15 @@ class Child(Protocol):
 
 
 class Request(msgspec.Struct, frozen=True):
-    """What the pool is asked to run: a Python file, its arguments, the folder to run it in, clips it will want."""
+    """What the pool is asked to run: a Python file, its arguments, the folder to run it in.
+
+    clips: those that it will want; frames: how many it was asked for, so that the clips can be resampled ahead.
+    """
 
     argv: tuple[str, ...]
     directory: str
     clips: tuple[str, ...] = ()
+    frames: int = 0
 
 
 class Spawned:

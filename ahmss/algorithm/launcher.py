@@ -148,8 +148,9 @@ class Launcher:
         if self._pool is None:
             return _interpreter(script, directory, pipes)
         clips = tuple(path for path in (start.motion, start.goal.posture) if path)
+        request = Request(script, str(directory), clips, start.frames)
         try:
-            return Hired(self._pool.connect, Request(script, str(directory), clips), pipes, alone)
+            return Hired(self._pool.connect, request, pipes, alone)
         except (OSError, AhmssError) as error:
             return alone(str(error))
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import importlib
 import os
 import select
 import signal
@@ -35,6 +36,7 @@ _READY = 8  # workers forked ahead
 _LOOK = 2.0  # seconds between looks at whether the pool is still wanted
 _QUIET = 0.1  # seconds without a request after which old workers are replaced by ones that know more
 _GRACE = 1.0  # seconds that a worker may outlive its main
+_HEAVY = ("ahmss.motion.resample",)  # it brings scipy
 _DEATHS = 20  # workers that may die unasked before the pool gives up
 _LARGEST_NOTICE = 1 << 16
 
@@ -70,6 +72,8 @@ class _Pool:
     def run(self) -> None:
         """Serve until nobody wants it."""
         next_look = 0.0
+        self._fill()
+        self._read_ahead()
         while self._deaths < _DEATHS:
             self._fill()
             for descriptor, _ in self._poll.poll(self._patience()):
@@ -85,6 +89,13 @@ class _Pool:
                 if not self._wanted(now):
                     break
         self._close()
+
+    def _read_ahead(self) -> None:
+        """Load what takes long to load and most algorithms want, once there are workers that do without."""
+        for name in _HEAVY:
+            importlib.import_module(name)
+        self._knowledge += 1
+        gc.freeze()
 
     def _patience(self) -> float:
         """Seconds until something may be due."""

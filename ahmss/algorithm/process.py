@@ -58,6 +58,7 @@ class Deadlines(msgspec.Struct, frozen=True):
     """How long a process may take, in seconds."""
 
     start: float = 10.0  # until its first word
+    first: float = 5.0  # from that to its first pose, for which it may have much to read and to compute
     frame: float = 1.0  # until it answers a FRAME
     stop: float = 0.5  # from STOP to SIGTERM, and from that to SIGKILL
 
@@ -290,8 +291,9 @@ class AlgorithmProcess:
 
     def _too_slow(self, silence: float) -> None:
         """Give it up when its frame is overdue."""
-        if silence > self._deadlines.frame:
-            self.fail(f"it gave no pose within {self._deadlines.frame:g} s")
+        allowed = self._deadlines.frame if self.last else max(self._deadlines.first, self._deadlines.frame)
+        if silence > allowed:
+            self.fail(f"it gave no pose within {allowed:g} s")
 
     def _died(self) -> bool:
         """Whether its process is gone; then its last words count, and if there are none, how it ended."""

@@ -21,7 +21,7 @@ _PACKAGES = ("algorithm", "body", "motion")  # what the pool holds in memory
 def code_stamp() -> str:
     """Changes when the code that the pool holds does, and differs between checkouts and Pythons."""
     root = Path(ahmss.__file__).parent
-    digest = hashlib.sha256(f"{sys.executable} {sys.version} {root}".encode())
+    digest = hashlib.sha256(f"{sys.prefix} {sys.version} {root}".encode())
     for file in sorted(file for package in _PACKAGES for file in (root / package).glob("*.py")):
         status = file.stat()
         digest.update(f"{file.name} {status.st_mtime_ns} {status.st_size}".encode())

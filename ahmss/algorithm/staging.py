@@ -21,7 +21,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.planting import feet, plant
 
-__all__ = ["Staged", "face", "mirrored", "stage"]
+__all__ = ["Staged", "face", "mirrored", "part", "stage", "stands"]
 
 _UP = np.array([0.0, 0.0, 1.0])
 _UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
@@ -64,7 +64,7 @@ def stage(task: HumanTask, clip: Clip) -> Staged:
     if task.hand == "left":
         clip = mirrored(clip)
     present = feet(task.human, task.start.rotations, task.start.root)
-    planted = bool((clip.contacts > 0.5).all()) and clip.header.frame == "human"
+    planted = stands(clip)
     if planted:
         rotations, root = plant(task.human, clip.rotations, present)
     else:
@@ -72,6 +72,19 @@ def stage(task: HumanTask, clip: Clip) -> Staged:
         rotations, root = clip.rotations.copy(), origin.apply(clip.root)
         rotations[:, 0] = multiply(origin.rotation, clip.rotations[:, 0])
     return Staged(clip, rotations, root, _base(task, clip), present, planted)
+
+
+def stands(clip: Clip) -> bool:
+    """Whether both feet stay on the floor throughout; then each frame is staged by itself, and `part`s may be."""
+    return bool((clip.contacts > 0.5).all()) and clip.header.frame == "human"
+
+
+def part(clip: Clip, first: int, end: int) -> Clip:
+    """The clip's frames from `first` to before `end`."""
+    return replace(
+        clip, rotations=clip.rotations[first:end], root=clip.root[first:end], importance=clip.importance[first:end],
+        contacts=clip.contacts[first:end], targets=None if clip.targets is None else clip.targets[first:end],
+    )  # fmt: skip
 
 
 def mirrored(clip: Clip) -> Clip:

@@ -117,6 +117,10 @@ class Task:
         """The action's motion clip, read when first asked for; None where the action names none."""
         return cache.clip(self.message.motion) if self.message.motion else None
 
+    def resampled(self, frames: int) -> Clip | None:
+        """The action's motion clip in so many frames; None where the action names none."""
+        return cache.resampled(self.message.motion, frames) if self.message.motion else None
+
     @cached_property
     def posture(self) -> Clip | None:
         """The clip whose last frame is the posture to reach, or None."""

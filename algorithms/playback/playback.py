@@ -5,24 +5,35 @@ The clip's hands and gaze go to their targets in the world; feet that bear weigh
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.staging import Staged, face, stage
+from ahmss.algorithm.staging import Staged, face, part, stage, stands
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
+from ahmss.motion.clip import Clip
 from ahmss.motion.planting import feet
-from ahmss.motion.resample import resample
 
 BEARING = 0.5  # contacts above this bear weight
 
 
-def playback(task: HumanTask) -> Array:
-    """All frames (N, 260) of the clip."""
-    if task.motion is None:
-        raise AlgorithmError("playback needs a motion clip")
+def playback(task: HumanTask) -> Iterator[Array]:
+    """The N frames of the clip; the first alone, so that main need not wait for the others."""
     # The clip's first frame is where the motion starts from, so N frames more are made.
-    staged = stage(task, resample(task.motion, task.length + 1))
+    clip = task.resampled(task.length + 1)
+    if clip is None:
+        raise AlgorithmError("playback needs a motion clip")
+    if task.length > 1 and stands(clip):
+        yield _frames(task, part(clip, 0, 2))
+        clip = part(clip, 1, clip.frames)
+    yield _frames(task, clip)
+
+
+def _frames(task: HumanTask, clip: Clip) -> Array:
+    """All frames (F - 1, 260) of a clip but its first."""
+    staged = stage(task, clip)
     targets = _targets(task, staged)
     importance = staged.clip.importance * task.parameter("importance", 1.0)
     return task.block(staged.rotations[1:], staged.root[1:], importance[1:], targets[1:])
