@@ -138,12 +138,16 @@ def between(m: Functions, u: Vector, v: Vector) -> Quaternion:
 def on_side_of(m: Functions, q: Quaternion, reference: Quaternion) -> Quaternion:
     """q or -q, whichever lies on the hemisphere of the reference."""
     side = q[0] * reference[0] + q[1] * reference[1] + q[2] * reference[2] + q[3] * reference[3]
+    if m is FLOATS and side >= 0.0:
+        return q
     sign = m.where(side < 0.0, -1.0, 1.0)
     return (sign * q[0], sign * q[1], sign * q[2], sign * q[3])
 
 
 def nlerp(m: Functions, p: Quaternion, q: Quaternion, share: Scalar) -> Quaternion:
     """From p the short way to q by a share, along the chord: the arc of slerp at an uneven pace."""
+    if m is FLOATS and share == 1.0:
+        return on_side_of(m, q, p)
     a, b, c, d = on_side_of(m, q, p)
     w = p[0] + share * (a - p[0])
     x = p[1] + share * (b - p[1])
@@ -156,6 +160,8 @@ def nlerp(m: Functions, p: Quaternion, q: Quaternion, share: Scalar) -> Quaterni
 def twist(m: Functions, q: Quaternion, axis: Vector) -> Scalar:
     """The angle, radians in [-pi, pi], of q's turn about a unit axis: q = swing * twist."""
     along = q[1] * axis[0] + q[2] * axis[1] + q[3] * axis[2]
+    if m is FLOATS and q[0] >= 0.0:
+        return 2.0 * m.atan2(along, q[0])
     return 2.0 * m.atan2(m.where(q[0] < 0.0, -along, along), m.where(q[0] < 0.0, -q[0], q[0]))
 
 

@@ -21,6 +21,7 @@ __all__ = ["forward"]
 
 _CHUNK = 1000  # humans at a time, so that what a step needs stays in the cache
 _BUFFER = 256  # elements: above the inner length numpy copies operands into buffers, which doubles the time
+_MOST = 8  # links that one step computes
 _KEPT = 4  # workspaces a thread keeps
 
 Select = Callable[[Any], Any]
@@ -85,7 +86,6 @@ class _Step(NamedTuple):
     """Links that are computed at once: views of them and of their parents in the workspace."""
 
     q: Any  # own rotations (a, b), parent <- child
-    q_conjugate: Any  # (b*, a*)
     q_world: Any
     q_world_parent: Any
     spare: Any
@@ -100,13 +100,14 @@ class _Workspace:
     """The arrays for n humans, and the views that the steps work on, made once."""
 
     def __init__(self, n: int) -> None:
-        self.own, self.conjugate, self.world, spare = (_complex(2, 43, n) for _ in range(4))
+        self.own, self.world = _complex(2, 43, n), _complex(2, 43, n)
         self.x, self.turned_x, self.square = (np.empty((1, 43, n)) for _ in range(3))
+        spare = _complex(2 * _MOST * n)  # one for all steps, so that it stays in the cache
         self.yz, self.turned_yz = _complex(1, 43, n), _complex(1, 43, n)
         self.along, self.across = np.empty((1, 43, 1)), _complex(1, 43, 1)
         self.steps = [
             _Step(
-                child(self.own), child(self.conjugate), child(self.world), parent(self.world), child(spare),
+                child(self.own), child(self.world), parent(self.world), _like(child(self.own), spare),
                 (child(self.x)[0], child(self.yz)[0]), (parent(self.x)[0], parent(self.yz)[0]),
                 (parent(self.turned_x)[0], parent(self.turned_yz)[0]), child(self.along)[0], child(self.across)[0],
             )
@@ -117,7 +118,6 @@ class _Workspace:
         """World rotations and places from rotations q (4, 43, n), root (3, n) and offsets (43,)."""
         self.along[0, :, 0], self.across[0, :, 0] = along, across
         self.own.real, self.own.imag = q[0::2], q[1::2]
-        np.conjugate(self.own[::-1], self.conjugate)
         self.world[:, 0] = self.own[:, 0]
         for step in self.steps:
             _multiply(step)
@@ -139,16 +139,22 @@ class _Workspace:
         world[0::2], world[1::2] = self.world.real, self.world.imag
 
 
+def _like(links: Any, spare: Any) -> Any:
+    """A part of the spare memory in the shape of some links."""
+    return spare[: links.size].reshape(links.shape)
+
+
 def _complex(*shape: int) -> Any:
     return np.empty(shape, complex)
 
 
 def _multiply(step: _Step) -> None:
-    """(a1 + b1 j)(a2 + b2 j) = (a1 a2 - b1 b2*) + (a1 b2 + b1 a2*) j: (4.4), parent first (4.10)."""
+    """(a1 + b1 j)(a2 + b2 j) = (a1 a2 - (b1* b2)*) + (a1 b2 + (b1* a2)*) j: (4.4), parent first (4.10)."""
     a, b = step.q_world_parent
     out, spare = step.q_world, step.spare
     np.multiply(a, step.q, out)
-    np.multiply(b, step.q_conjugate, spare)
+    np.multiply(b.conj(), step.q[::-1], spare)
+    np.conjugate(spare, spare)
     np.subtract(out[0], spare[0], out[0])
     np.add(out[1], spare[1], out[1])
 
