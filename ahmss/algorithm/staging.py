@@ -16,13 +16,14 @@ from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
-from ahmss.body.skeleton import mirror
+from ahmss.body.skeleton import Skeleton, mirror
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.planting import feet, plant
 
-__all__ = ["Staged", "face", "mirrored", "part", "stage", "stands"]
+__all__ = ["Staged", "face", "lips", "mirrored", "part", "stage", "stands"]
 
+_LIPS = np.array([-0.0435, 0.0, -0.006])
 _UP = np.array([0.0, 0.0, 1.0])
 _UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 _SWAPPED_TARGETS = [1, 0, 3, 2, 4]
@@ -102,10 +103,15 @@ def mirrored(clip: Clip) -> Clip:
 
 
 def face(task: HumanTask, rotations: Array, root: Array) -> Transform:
-    """The face (..., ) of poses in the world: origin between the eyes, axes of the head link."""
+    """The face (...) of poses in the world: origin between the lips, axes of the head link (x up, y left, z back)."""
     places, world = forward(rotations, root, task.human.offsets)
     head = Transform(places[..., _HEAD, :], world[..., _HEAD, :])
-    return Transform(head.apply(task.human.eye), head.rotation)
+    return Transform(head.apply(lips(task.human)), head.rotation)
+
+
+def lips(skeleton: Skeleton) -> Array:
+    """The middle of the mouth (3,) in the head's frame, metres: under the eyes by a share of stature."""
+    return skeleton.eye + skeleton.stature * _LIPS
 
 
 def _base(task: HumanTask, clip: Clip) -> Transform | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import Transform, importance_of
+from ahmss.algorithm.staging import lips
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, RIGHT_HAND
 from ahmss.body.kinematics import forward
@@ -77,9 +78,9 @@ def drink(skeleton: Skeleton, scene: Scene) -> Clip:
     keys: list[Key] = []
     for time, tilt, lean, nod, arm in DRINKING:
         posture = replace(EASY, lean=lean, nod=nod, right_arm=arm)
-        at_mouth = mouth_cup(skeleton, scene, tilt)
+        at_mouth = mouth_cup(scene, tilt)
         keys.append(Key(time, _drinking(skeleton, scene, posture, at_mouth), at_mouth.row()))
-    down = Transform(np.array([-0.20, 0.02, -0.33]), _upright_in_face(0.0))
+    down = Transform(np.array([-0.125, 0.02, -0.32]), _upright_in_face(0.0))
     keys.append(Key(1.0, _drinking(skeleton, scene, replace(EASY, right_arm=HOLDING), down), down.row()))
     return keyframes(skeleton, "face", CARRYING | {"head": 1.0}, *keys)
 
@@ -134,12 +135,11 @@ def holding(scene: Scene, cup: Transform, arm: Arm, posture: Posture) -> Posture
     return replace(posture, right_arm=arm, grips={"right": grip.row()})
 
 
-def mouth_cup(skeleton: Skeleton, scene: Scene, tilt: float) -> Transform:
+def mouth_cup(scene: Scene, tilt: float) -> Transform:
     """The rim in the face's frame (x up, z back), its near edge at the lips, tilted to them by some degrees."""
-    mouth = np.array([-0.0435, 0.0, -0.006]) * skeleton.stature
     t = np.radians(tilt)
     tilted = multiply(from_axis_angle(LEFT, -t), _upright_in_face(YAW_AT_MOUTH))
-    return Transform(mouth + scene.cup_radius * np.array([np.sin(t), 0.0, -np.cos(t)]), tilted)
+    return Transform(scene.cup_radius * np.array([np.sin(t), 0.0, -np.cos(t)]), tilted)
 
 
 def _upright_in_face(yaw: float) -> Array:
@@ -155,7 +155,7 @@ def _drinking(skeleton: Skeleton, scene: Scene, posture: Posture, rim_in_face: T
     for _ in range(3):
         rotations, root = pose(skeleton, posture)
         places, world = forward(rotations, root, skeleton.offsets)
-        face = Transform(places[HEAD], world[HEAD]).then(Transform(skeleton.eye, UNTURNED))
+        face = Transform(places[HEAD], world[HEAD]).then(Transform(lips(skeleton), UNTURNED))
         posture = replace(posture, grips={"right": face.then(rim_in_face).then(grip_in_rim).row()})
     return posture
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ahmss.algorithm.staging import lips
 from ahmss.body.inverse import RIGHT_HAND
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
@@ -20,7 +21,6 @@ RADIUS, HEIGHT = 0.036, 0.095  # of the cup
 KNOB = np.array([0.68, -0.075, 1.02])  # in the door's frame
 LEVER = 0.011
 MOST_ACCELERATION, P99_ACCELERATION = 382.0, 213.0  # rad/s2, straight walks of real capture
-MOUTH = np.array([-0.0435, 0.0, -0.006])  # from between the eyes, of stature, head frame
 
 
 def held(demo: Recorded) -> np.ndarray:
@@ -119,7 +119,7 @@ def test_the_hand_does_not_go_through_the_cup(demo: Recorded) -> None:
 def test_it_drinks(demo: Recorded) -> None:
     places, turned = demo.links
     head = INDEX["head"]
-    mouth = places[:, head] + rotate(turned[:, head], demo.skeleton.eye + MOUTH * demo.skeleton.stature)
+    mouth = places[:, head] + rotate(turned[:, head], lips(demo.skeleton))
     around = np.radians(np.arange(0.0, 360.0, 3.0))
     rim = np.stack([RADIUS * np.cos(around), RADIUS * np.sin(around), np.full(len(around), HEIGHT)], axis=-1)
     cup = demo.objects[CUP]
@@ -134,7 +134,7 @@ def test_it_drinks(demo: Recorded) -> None:
 
 
 def test_the_head_turns_to_the_television_while_the_hand_reaches(demo: Recorded) -> None:
-    places, turned = demo.links
+    _, turned = demo.links
     head = INDEX["head"]
     gaze = rotate(turned[:, head], np.array([0.0, 0.0, -1.0]))[:, :2]
     yaw = np.degrees(np.arctan2(gaze[:, 1], gaze[:, 0]))

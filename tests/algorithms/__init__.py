@@ -1,0 +1,1 @@
+"""The shipped algorithms, in-process and as processes."""

@@ -1,0 +1,89 @@
+"""playback and hold_arm: a clip in the frames asked for, feet where they stand; an arm that stays as it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import frames
+from ahmss.body.inverse import RIGHT_HAND
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.motion.clip import Clip, ClipHeader, load, save
+from ahmss.motion.planting import feet
+
+from .scene import CUP, DOOR, ROOT, Body, frame_of, program
+
+KNOB = np.array([0.68, -0.075, 1.02])
+
+
+@pytest.mark.parametrize("length", [1, 40, 228, 300])
+def test_it_has_as_many_frames_as_asked_for(length: int) -> None:
+    body = Body()
+    assert len(list(frames(program("playback"), body.start(DOOR, "open", frames=length)))) == length
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_palm_meets_the_lever(name: str) -> None:
+    body = Body(name)
+    shown = body.do("playback", body.start(DOOR, "open"))
+    knob = frame_of(DOOR).apply(KNOB)
+    body.rotations, body.root = shown[70].rotations, shown[70].root
+    assert np.linalg.norm(body.grip().place - knob) < 0.03
+
+
+def test_the_feet_stay() -> None:
+    body = Body()
+    before = feet(body.skeleton, body.rotations, body.root)
+    for pose in body.do("playback", body.start(DOOR, "open", frames=60)):
+        np.testing.assert_allclose(feet(body.skeleton, pose.rotations, pose.root), before, atol=3e-3)
+
+
+def test_it_plays_where_the_human_is() -> None:
+    here, there = Body(), Body(x=2.0, y=1.0, facing=90.0)
+    ways = []
+    for body in (here, there):
+        poses = list(frames(program("playback"), body.start(DOOR, "open", frames=100)))
+        ways.append(np.array([pose.root for pose in poses]) - body.root)
+    turned = np.stack([-ways[0][:, 1], ways[0][:, 0]], axis=-1)  # by 110 degrees, less the 90 undone below
+    angle = np.radians(20.0)
+    turned = turned @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    np.testing.assert_allclose(ways[1][:, :2], turned, atol=2e-3)
+
+
+def test_a_walking_clip_keeps_each_foot_where_it_bears(tmp_path: Path) -> None:
+    """Both feet stand, then the right one is in the air while the body goes ahead."""
+    stand = load(ROOT / "humandb" / "ken" / "stand.npz")
+    count = 31
+    contacts = np.ones((count, 2))
+    contacts[10:20, 0] = 0.0
+    root = stand.root + np.linspace(0.0, 0.05, count)[:, None] * np.array([1.0, 0.0, 0.0])
+    clip = Clip(
+        np.repeat(stand.rotations, count, axis=0), root, np.ones((count, 44)), contacts, 60.0,
+        header=ClipHeader(origin="test"),
+    )  # fmt: skip
+    save(clip, tmp_path / "go.npz")
+    body = Body()
+    start = body.start(DOOR, "open", frames=count - 1, motion=str(tmp_path / "go.npz"))
+    targets = np.array([pose.targets for pose in frames(program("playback"), start)])
+    assert (targets[10:18, 2, 7] == 0.0).all()
+    assert np.ptp(targets[:, 3, :3], axis=0).max() < 1e-9
+    assert np.linalg.norm(targets[-1, 2, :3] - targets[0, 2, :3]) > 0.02
+
+
+def test_the_arm_is_held_and_nothing_else() -> None:
+    body = Body()
+    bent = from_axis_angle(np.array([0.0, 1.0, 0.0]), 0.8)
+    elbow = INDEX["right_lower_arm"]
+    body.rotations[elbow] = multiply(body.rotations[elbow], bent)
+    start = body.start(CUP, "reach", frames=20, parameters={})
+    poses = list(frames(program("hold_arm"), start))
+    assert len(poses) == 20
+    for name in ("right_upper_arm", "right_lower_arm", "right_hand"):
+        assert poses[-1].importance[INDEX[name]] == 1.0
+        np.testing.assert_allclose(poses[-1].rotations[INDEX[name]], body.rotations[INDEX[name]])
+    for name in ("hips", "head", "left_hand", "right_upper_leg", "right_foot"):
+        assert poses[-1].importance[INDEX[name]] == 0.0
+    assert not poses[-1].targets[RIGHT_HAND].any()

@@ -1,0 +1,112 @@
+"""slerp: from the present pose to the keyframes, hands and gaze at their targets."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import frames
+from ahmss.algorithm.messages import Goal
+from ahmss.algorithm.staging import lips
+from ahmss.body.inverse import GAZE, RIGHT_HAND
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import norm, rotate
+from ahmss.motion.planting import feet
+
+from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_palm_arrives_beside_the_cup_at_rest(name: str) -> None:
+    body = Body(name)
+    shown = body.do("slerp", body.start(CUP, "reach"))
+    from_axis = body.grip().place - frame_of(CUP).place
+    assert 0.05 < np.hypot(*from_axis[:2]) < 0.09
+    assert from_axis[2] == pytest.approx(0.052, abs=0.003)
+    into = rotate(body.grip().rotation, np.array([1.0, 0.0, 0.0]))
+    assert into @ from_axis < 0.0  # the palm looks at the cup
+    assert np.linalg.norm(shown[-1].root - shown[-2].root) < 1e-4
+
+
+def test_it_begins_where_the_body_is() -> None:
+    body = Body()
+    grip, root = body.grip().place, body.root
+    first = next(iter(frames(program("slerp"), body.start(CUP, "reach"))))
+    np.testing.assert_allclose(first.targets[RIGHT_HAND, :3], grip, atol=1e-4)
+    np.testing.assert_allclose(first.root, root, atol=1e-4)
+
+
+def test_the_hand_takes_its_time_as_a_hand_does() -> None:
+    body = Body()
+    poses = list(frames(program("slerp"), body.start(CUP, "reach")))
+    path = np.array([pose.targets[RIGHT_HAND, :3] for pose in poses])
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    assert speed.max() / speed.mean() == pytest.approx(1.875, rel=0.15)
+    assert 0.35 < speed.argmax() / len(speed) < 0.65
+
+
+def test_the_feet_stay_whatever_the_body_does() -> None:
+    body = Body("aiko", x=1.0, y=-0.5, facing=70.0)
+    before = feet(body.skeleton, body.rotations, body.root)
+    for pose in body.do("slerp", body.start(CUP, "reach", frame=frame_of(CUP))):
+        np.testing.assert_allclose(feet(body.skeleton, pose.rotations, pose.root), before, atol=2e-3)
+
+
+def test_the_left_hand_does_what_the_right_does() -> None:
+    body = Body(y=-0.3, facing=20.0)  # the cup before it as before the right hand, seen in a mirror
+    body.do("slerp", body.start(CUP, "reach", hand="left"))
+    assert 0.05 < np.hypot(*(body.grip(1).place - frame_of(CUP).place)[:2]) < 0.09
+
+
+def test_the_gaze_is_on_the_screen_from_the_first_frame() -> None:
+    body = Body()
+    poses = list(frames(program("slerp"), body.start(TELEVISION, "look")))
+    screen = frame_of(TELEVISION).apply(np.array([0.1, 0.0, 0.82]))
+    np.testing.assert_allclose([pose.targets[GAZE, :3] for pose in poses], np.tile(screen, (len(poses), 1)), atol=1e-6)
+    assert {pose.targets[GAZE, 7] for pose in poses} == {1.0}
+    assert poses[0].importance[INDEX["head"]] == 1.0
+    assert poses[0].importance[INDEX["right_hand"]] == 0.0
+
+
+def test_a_held_cup_is_put_where_it_shall_be() -> None:
+    body = Body()
+    body.do("slerp", body.start(CUP, "reach"))
+    in_palm = body.grip().inverse().then(frame_of(CUP))
+    body.do("slerp", body.start(CUP, "lift", frame=body.grip().then(in_palm)))
+    assert body.grip().then(in_palm).place[2] > frame_of(CUP).place[2] + 0.1
+    body.do("slerp", body.start(CUP, "put", frame=body.grip().then(in_palm), goal=Goal(place=(0.4, -0.05, 0.88))))
+    cup = body.grip().then(in_palm)
+    np.testing.assert_allclose(cup.place, [0.4, -0.05, 0.88], atol=1e-3)
+    assert rotate(cup.rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
+    body = Body(name)
+    body.do("slerp", body.start(CUP, "reach"))
+    in_palm = body.grip().inverse().then(frame_of(CUP))
+    nearest = 1.0
+    for pose in body.do("slerp", body.start(CUP, "drink", frame=body.grip().then(in_palm))):
+        places, turned = forward(pose.rotations, pose.root, body.skeleton.offsets)
+        head = INDEX["head"]
+        mouth = places[head] + rotate(turned[head], lips(body.skeleton))
+        grip = pose.targets[RIGHT_HAND]
+        rim = grip[:3] + rotate(grip[3:7], in_palm.apply(np.array([0.0, 0.0, 0.095])))
+        nearest = min(nearest, float(np.linalg.norm(rim - mouth)))
+    assert nearest == pytest.approx(0.036, abs=0.004)  # the rim's centre is its radius away
+
+
+def test_every_frame_is_a_pose() -> None:
+    body = Body()
+    for action in ("reach", "lift", "drink", "put"):
+        for pose in frames(program("slerp"), body.start(CUP, action, frames=7)):
+            np.testing.assert_allclose(norm(pose.rotations), 1.0, atol=1e-9)
+            assert np.isfinite(pose.targets).all()
+
+
+def test_standing_needs_no_object_to_look_at() -> None:
+    body = Body()
+    body.do("slerp", body.start(CUP, "reach"))
+    body.do("slerp", body.start(FLOOR, "stand"))
+    assert body.grip().place[2] < 0.85
