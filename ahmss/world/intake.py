@@ -37,10 +37,12 @@ class Intake:
 
     Attributes:
         frames: id and owner of the humans of whom frames came since the caller last cleared it.
+        taken: how many frames have come.
     """
 
     def __init__(self, space: Space) -> None:
         self.frames: dict[int, bytes] = {}
+        self.taken = 0
         self._space = space
         self._poses = np.zeros((_MOST_STAGED, POSE_WIDTH + 1))
         self._bytes = self._poses.data.cast("B")
@@ -79,6 +81,7 @@ class Intake:
         self._bytes[start : start + POSE_BYTES] = data[HEADER.size : _BODY]
         self._staged.append((owner, number, frame))
         self.frames[number] = owner
+        self.taken += 1
 
     def flush(self) -> list[tuple[bytes, Refused]]:
         """Apply what is staged; the refusals with whom they are for."""
