@@ -116,7 +116,10 @@ class Agenda:
         self._check_name(line.human)
         main = self._main
         actor = main.actor
-        main.control.begin([main.database.order(act, main.communication, actor) for act in line.acts])
+        orders = [main.database.order(act, main.communication, actor) for act in line.acts]
+        main.control.begin(orders)
+        seconds = max(order.after + order.frames for order in orders) / self._setup.rate
+        self.said(f"{' with '.join(order.title for order in orders)}: {seconds:.1f} s")
 
     def _wait(self, line: Wait) -> None:
         self._check_name(line.human)
@@ -156,11 +159,10 @@ class Agenda:
         def place() -> None:
             try:
                 read.result()
-                records = main.communication.add(line, main.workspace)
-                self.said(
-                    f"{records[0].name} is in the world"
-                    + (f", with {len(records) - 1} objects in it" * (len(records) > 1))
-                )
+                placed = main.communication.add(line, main.workspace)
+                main.layout.remember(placed)
+                more = f", with {len(placed) - 1} objects in it" if len(placed) > 1 else ""
+                self.said(f"{placed[0].name} is in the world{more}")
             except AhmssError as error:
                 main.trouble(f"{step.where}: {error}" if step.where else str(error))
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
+from ahmss.database.placement import Placed
 from ahmss.database.shape import Shape
 from ahmss.database.workspace import Workspace
 from ahmss.errors import WorldError
@@ -102,7 +103,7 @@ class Communication:
         for kind in {placed.kind for placed in workspace.objects.place(add.kind, add.kind)}:
             workspace.objects.shape(kind)
 
-    def add(self, add: Add, workspace: Workspace) -> list[ObjectRecord]:
+    def add(self, add: Add, workspace: Workspace) -> tuple[Placed, ...]:
         """Add an object and all that it contains, with their shapes.
 
         Raises:
@@ -113,21 +114,23 @@ class Communication:
         half = np.radians(add.facing_deg) / 2.0
         x, y, z = (float(v) for v in (*add.place, 0.0)[:3])
         rotation = (float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
-        new: list[NewObject] = []
-        for placed in workspace.objects.place(add.kind, name, (x, y, z), rotation):
-            shape = workspace.objects.shape(placed.kind)
-            hashes = ("", "")
-            if shape is not None:
-                texture = self.client.put_asset(shape.texture.data) if shape.texture else ""
-                hashes = (self.client.put_asset(shape.glb), texture)
-            kind = workspace.objects.get(placed.kind)
-            new.append(NewObject(
-                placed.name, placed.kind, placed.local_position, placed.local_rotation, placed.parent, *hashes,
-                states=dict(kind.initial_states),
-            ))  # fmt: skip
-        records = self.client.add(new)
+        placed = workspace.objects.place(add.kind, name, (x, y, z), rotation)
+        new = [self.describe(one, workspace) for one in placed]
+        self.client.add(new)
         self.client.refresh()
-        return records
+        return placed
+
+    def describe(self, placed: Placed, workspace: Workspace) -> NewObject:
+        """An object as the server is told of it; its shape and texture are sent where the server lacks them."""
+        shape = workspace.objects.shape(placed.kind)
+        mesh = texture = ""
+        if shape is not None:
+            mesh = self.client.put_asset(shape.glb)
+            texture = self.client.put_asset(shape.texture.data) if shape.texture else ""
+        states: dict[str, StateValue] = dict(workspace.objects.get(placed.kind).initial_states)
+        return NewObject(
+            placed.name, placed.kind, placed.local_position, placed.local_rotation, placed.parent, mesh, texture, states
+        )  # fmt: skip
 
     def claim(self, name: str, hand: str) -> Pending:
         """Ask that only this human moves an object from now on."""

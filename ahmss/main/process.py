@@ -17,6 +17,7 @@ from ahmss.main.blending import Blending
 from ahmss.main.communication import Communication
 from ahmss.main.control import Control
 from ahmss.main.database import Actor, Database
+from ahmss.main.layout import Layout
 from ahmss.main.pace import Pace
 from ahmss.main.script import Step
 from ahmss.main.stance import standing
@@ -96,6 +97,7 @@ class MainProcess:
             rate=setup.rate, seed=setup.seed,
         )  # fmt: skip
         self.agenda = Agenda(self, setup)
+        self.layout = Layout(self.workspace, self.communication, self.trouble)
         self.pace = Pace(setup.rate, fast=setup.fast)
         self.report = Report(setup.human)
         self.control.see(self.blending)
@@ -123,6 +125,8 @@ class MainProcess:
         self.communication.publish(self.blending.root, self.blending.rotations, moved)
         self.control.end_finished()
         self.report.frames += 1
+        if not self.setup.fast:  # lockstep knows no clock, and files change by the clock
+            self.layout.follow(self.report.frames)
 
     def run(self, over: Callable[[], bool]) -> Report:
         """Make frames at the pace of the world until `over` says so and the body rests."""

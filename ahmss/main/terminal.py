@@ -54,7 +54,9 @@ class PersonsTerminal:
 
     def show(self, listing: Listing) -> None:
         """A table of names and sentences."""
-        table = Table(title=listing.title, title_justify="left", show_header=False, box=None, pad_edge=False)
+        table = Table(show_header=False, box=None, pad_edge=False)
         for name, sentence in listing.entries or (("none", ""),):
             table.add_row(f"  {name}", sentence)
-        RichConsole(highlight=False, markup=False).print(table)
+        console = RichConsole(highlight=False, markup=False)
+        console.print(f"{listing.title}:")
+        console.print(table)

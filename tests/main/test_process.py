@@ -12,7 +12,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.main.process import MainProcess
 from ahmss.world.process import ServerProcess
-from tests.main.conftest import write_peer
+from tests.main.conftest import ALGORITHMS, write_algorithm, write_peer
 from tests.main.ground import steps
 
 Start = Callable[..., ServerProcess]
@@ -221,3 +221,34 @@ def test_a_motion_that_is_stopped_leaves_the_body_where_it_is(server: Start, joi
     assert main.blending.resting
     assert np.abs(main.blending.rotations[ARM] - before[ARM]).max() > 1e-4
     assert main.report.messages == []
+
+
+def test_new_and_moved_entries_follow_the_file_while_the_world_runs(server: Start, join: Join, workspace: Path) -> None:
+    shelf = workspace / "objectdb" / "shelf"
+    shelf.mkdir()
+    entry = '[[contains]]\nkind = "box"\nname = "{}"\nposition = [{}, 0.0, 0.0]\n'
+    (shelf / "object.toml").write_text('name = "shelf"\n' + entry.format("one", 0.0) + entry.format("two", 0.2))
+    main = join(server())
+    main.play(steps("add shelf at 1 0 0 facing 90"))
+    (shelf / "object.toml").write_text('name = "shelf"\n' + entry.format("one", 0.1) + entry.format("three", 0.3))
+    main.play(steps("wait 2.5"))
+    assert main.report.messages == []
+    world = main.communication.world
+    assert {name for name in world.objects if "/" in name} == {"shelf/one", "shelf/three"}
+    assert np.abs(world.pose("shelf/one")[:3] - [1.0, 0.1, 0.0]).max() < 1e-6
+    assert np.abs(world.pose("shelf/three")[:3] - [1.0, 0.3, 0.0]).max() < 1e-6
+    (shelf / "object.toml").write_text('nam = "shelf"\n')
+    main.play(steps("wait 2.5"))
+    assert len(main.report.messages) == 1
+    assert "objectdb/shelf/object.toml" in main.report.messages[0]
+
+
+def test_a_new_affordance_and_its_algorithm_work_without_a_restart(ken: MainProcess, workspace: Path) -> None:
+    ken.play(steps("do b hail"))
+    write_algorithm(workspace, "hail", "human", "", ALGORITHMS["swing"][2])
+    with (workspace / "objectdb/box/object.toml").open("a") as file:
+        file.write('\n[affordances.hail]\nhuman_algorithm = "hail"\nframes = 40\n')
+    film = Film(ken, "do b hail")
+    assert len(ken.report.messages) == 1
+    assert 'does not afford "hail"' in ken.report.messages[0]
+    assert film.angles(ARM)[-1] > 0.5
