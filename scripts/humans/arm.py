@@ -6,7 +6,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
-from humans.distance import Field, Loft, bend, cone, ellipsoid, half_space, intersect, smooth_min
+from humans.distance import Field, Loft, bend, cone, ellipsoid, half_space, intersect, smooth_max, smooth_min
 from humans.figure import Figure
 
 __all__ = ["FINGERS", "arm", "bare_arm", "finger_chain", "upper_arm_loft"]
@@ -89,12 +89,12 @@ def _palm(figure: Figure) -> Field:
     """Metacarpals with their flesh, and the balls of the thumb and of the little finger."""
     bind, hand = figure.bind, 0.108 * figure.height
     parts: list[Field] = []
-    roots = {"index": 0.075, "middle": 0.028, "ring": -0.02, "little": -0.065}
+    roots = {"index": 0.075, "middle": 0.028, "ring": -0.02, "little": -0.060}
     for finger, across in roots.items():
         start = bind.at("right_hand", np.array([0.06, -0.002, -across]) * hand)
         chain, radii = finger_chain(figure, finger)
         knuckle = chain[0] + bind.matrix("right_hand") @ np.array([0.0, -0.012 * hand, 0.0])
-        parts.append(cone(start, knuckle, 0.092 * hand, 0.070 * hand))
+        parts.append(cone(start, knuckle, 0.090 * hand, (0.062 if finger == "little" else 0.069) * hand))
         web = chain[0] + 0.20 * (chain[1] - chain[0])
         web += bind.matrix("right_hand") @ np.array([0.0, -0.006 * hand, 0.0])
         parts.append(cone(knuckle, web, 0.066 * hand, radii[0] * 1.03))
@@ -119,13 +119,21 @@ def _palm(figure: Figure) -> Field:
     return distance
 
 
+def _hollow(figure: Figure) -> Field:
+    """What is scooped out of the palm, so that its skin goes through the middle of the grip."""
+    grip = figure.skeleton.grips[0, :3]
+    radius = 0.06
+    middle = figure.bind.at("right_hand", grip - np.array([0.0, radius - 0.0006, 0.0]))
+    return ellipsoid(middle, np.full(3, radius))
+
+
 def hand(figure: Figure) -> Field:
     """The right hand's skin."""
-    palm = _palm(figure)
+    palm, hollow = _palm(figure), _hollow(figure)
     fingers = {name: _finger(figure, name) for name in FINGERS}
 
     def distance(p: Array) -> Array:
-        d = palm(p)
+        d = smooth_max(palm(p), -hollow(p), 0.004)
         apart = np.full(len(p), np.inf)
         for field in fingers.values():
             apart = smooth_min(apart, field(p), 0.0015) if np.isfinite(apart).all() else field(p)

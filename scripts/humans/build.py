@@ -40,19 +40,19 @@ def _box(figure: Figure, x: tuple[float, float], y: float, z: tuple[float, float
 def _joined(figure: Figure, painting: Painting) -> Manifold:
     """All parts as one solid."""
     parts = [
-        mesh(trunk.shirt(figure), _box(figure, (-0.2, 0.25), 0.64, (0.55, 0.9)), 0.005, 1700, "shirt"),
-        mesh(trunk.trousers(figure), _box(figure, (-0.25, 0.25), 0.36, (0.02, 0.63)), 0.007, 1000, "trousers"),
-        mesh(trunk.belt(figure), _box(figure, (-0.25, 0.25), 0.36, (0.55, 0.63)), 0.005, 140, "belt"),
+        mesh(trunk.shirt(figure), _box(figure, (-0.2, 0.25), 0.64, (0.55, 0.9)), 0.005, 1300, "shirt"),
+        mesh(trunk.trousers(figure), _box(figure, (-0.25, 0.25), 0.36, (0.02, 0.63)), 0.007, 720, "trousers"),
+        mesh(trunk.belt(figure), _box(figure, (-0.25, 0.25), 0.36, (0.55, 0.63)), 0.005, 90, "belt"),
     ]
     drawing = head.Drawing.of(figure)
     around = (drawing.place(-17, -10, -12), drawing.place(11, 10, 12))
-    parts.append(mesh(hair.hair(figure), around, 0.003, 1700, "hair"))
+    parts.append(mesh(hair.hair(figure), around, 0.003, 1400, "hair"))
     if figure.female:
         around = (drawing.place(-14, -3, 2), drawing.place(-8, 3, 9))
-        parts.append(mesh(hair.hair_band(figure), around, 0.0025, 90, "band"))
+        parts.append(mesh(hair.hair_band(figure), around, 0.0025, 70, "band"))
     for right in (
         _arm(figure),
-        mesh(shoe.shoe(figure), _RIGHT_SHOE, 0.003, 320, "shoe"),
+        mesh(shoe.shoe(figure), _RIGHT_SHOE, 0.003, 240, "shoe"),
     ):
         parts += [right, right.mirrored()]
     solid = _head(figure, painting)
@@ -72,16 +72,16 @@ def _arm(figure: Figure) -> Part:
     start = figure.bind.place("right_lower_arm" if figure.long_sleeves else "right_upper_arm")
     around = np.concatenate([[start], *fingers]) @ turn
     field = arm.arm(figure, 0.75 if figure.long_sleeves else 0.25)
-    return mesh(field, (around.min(0) - 0.055, around.max(0) + 0.055), 0.0018, 1200, "skin", turn)
+    return mesh(field, (around.min(0) - 0.055, around.max(0) + 0.055), 0.0018, 1100, "skin", turn)
 
 
 def _head(figure: Figure, painting: Painting) -> Manifold:
     """Head with eyes behind their openings."""
     drawing = head.Drawing.of(figure)
     around = (drawing.place(-11, -9.5, -24), drawing.place(11.5, 9.5, 11))
-    skin = mesh(head.head(figure), around, 0.0022, 3000, "skin")
+    skin = mesh(head.head(figure), around, 0.0022, 2600, "skin")
     # Shade is kept at the vertices: no face of the neck may be long.
-    solid = painting.part(skin.solid().refine_to_length(0.026), "skin", skin.field)
+    solid = painting.part(skin.solid().refine_to_length(0.032), "skin", skin.field)
     upper, lower = face.eye_openings(figure)
     solid = solid - painting.part(upper, "lash", None) - painting.part(lower, "rim", None)
     centre, radius = np.array(head.EYE_BALL[:3]), head.EYE_BALL[3]

@@ -50,7 +50,7 @@ def _ring(start: Array, end: Array, low: float, high: float, radius: float) -> M
     x = np.cross([0.0, 1.0, 0.0], z)
     x /= np.linalg.norm(x)
     frame = np.column_stack([x, np.cross(z, x), z, start + low * along])
-    disc = Manifold.cylinder((high - low) * length, radius, radius, 24).transform(frame)
+    disc = Manifold.cylinder((high - low) * length, radius, radius, 12).transform(frame)
     return disc + disc.mirror((0.0, 1.0, 0.0))
 
 
@@ -62,7 +62,7 @@ def _collar(figure: Figure) -> Stencil:
     """What of the shirt lies above the collar's lower edge and near the neck."""
     point, up = collar_plane(figure)
     across = np.array([0.0, 1.0, 0.0])
-    disc = Manifold.cylinder(0.2, 0.115, 0.115, 32)
+    disc = Manifold.cylinder(0.08, 0.115, 0.115, 20)
     return Stencil(disc.transform(np.column_stack([np.cross(across, up), across, up, point])), {"shirt": "collar"})
 
 
@@ -116,6 +116,6 @@ def _nails(figure: Figure) -> list[Stencil]:
         r = float(radii[-1])
         centre = chain[-1] + 0.15 * r * along + 0.95 * r * dorsal
         size = np.array([1.05 * r, 0.62 * r, 0.72 * r])
-        ball = Manifold.sphere(1.0, 10).scale(tuple(size)).transform(np.column_stack([along, dorsal, across, centre]))
+        ball = Manifold.sphere(1.0, 8).scale(tuple(size)).transform(np.column_stack([along, dorsal, across, centre]))
         nails += ball + ball.mirror((0.0, 1.0, 0.0))
     return [Stencil(nails, {"skin": "nail"})]

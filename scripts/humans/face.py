@@ -70,11 +70,11 @@ def eyeballs(figure: Figure) -> Manifold:
     """Both eyeballs."""
     drawing = Drawing.of(figure)
     x, y, z, r = EYE_BALL
-    ball = Manifold.sphere(r * drawing.scale, 48).translate(tuple(drawing.place(x, y, z)))
+    ball = Manifold.sphere(r * drawing.scale, 32).translate(tuple(drawing.place(x, y, z)))
     return ball + ball.mirror((0.0, 1.0, 0.0))
 
 
-def _disc(figure: Figure, y: float, z: float, radius: float, count: int = 18) -> Manifold:
+def _disc(figure: Figure, y: float, z: float, radius: float, count: int = 14) -> Manifold:
     angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
     return _both(figure, np.column_stack([y + radius * np.cos(angle), z + radius * np.sin(angle)]), 6.5, 12.0)
 

@@ -37,12 +37,12 @@ def _cap(figure: Figure, thick: float) -> Field:
     front = half_space(v([2.6, 0.0, -2.0]), v([0.83, 0.0, -0.55]))
     nape = half_space(v([2.6, 0.0, -2.6]), v([0.60, 0.0, -0.80]))
     volume = ellipsoid(v([-2.4, 0.0, 4.0]), v([8.6, 7.9, 6.6]) if figure.female else v([8.6, 7.6, 6.3]))
-    ear = ellipsoid(v([-0.2, 8.0, -2.2]), v([2.3, 1.7, 3.3] if not figure.female else [1.8, 1.4, 2.6]))
+    ear = ellipsoid(v([-0.2, 8.0, -2.2]), v([2.0, 1.6, 2.9] if figure.female else [2.3, 1.7, 3.3]))
 
     def distance(q: Array) -> Array:
         d = smooth_min(base(q) - thick, volume(q), 1.5)
         d = smooth_max(smooth_max(d, front(q), 0.5), nape(q), 0.8)
-        return smooth_max(d, -ear(np.column_stack([q[:, 0], np.abs(q[:, 1]), q[:, 2]])), 0.4)
+        return smooth_max(d, -ear(np.column_stack([q[:, 0], np.abs(q[:, 1]), q[:, 2]])), 0.6)
 
     return distance
 
@@ -51,9 +51,9 @@ def _woman() -> Sequence[tuple[Field, float]]:
     """Swept fringe, side locks and a tail."""
     return (
         # fringe from a parting on her left, swept over the forehead
-        (_lock((4.6, 2.4, 9.3, 0.9), (8.2, 0.6, 7.2, 1.0), (8.7, -2.6, 4.4, 0.9), (6.7, -5.7, 1.8, 0.35)), 0.35),
+        (_lock((4.6, 2.4, 9.3, 0.9), (8.2, 0.6, 7.2, 1.0), (8.6, -2.6, 4.9, 0.9), (6.9, -5.7, 2.3, 0.35)), 0.35),
         (_lock((4.0, 2.2, 9.5, 0.9), (7.6, -1.4, 7.6, 1.1), (7.4, -4.6, 4.8, 0.9), (5.2, -6.9, 1.2, 0.35)), 0.35),
-        (_lock((5.0, 2.6, 9.0, 0.8), (8.7, 1.6, 6.4, 0.9), (9.2, -0.6, 3.9, 0.7), (8.2, -3.4, 2.2, 0.25)), 0.3),
+        (_lock((5.0, 2.6, 9.0, 0.8), (8.7, 1.6, 6.4, 0.9), (9.1, -0.6, 4.5, 0.7), (8.5, -3.2, 3.3, 0.25)), 0.3),
         (_lock((4.4, 2.8, 9.2, 0.9), (7.6, 4.0, 6.8, 0.9), (6.6, 5.9, 3.6, 0.7), (5.0, 6.9, 0.6, 0.3)), 0.35),
         # in front of the ears
         (_lock((3.8, 6.6, 3.6, 0.8), (4.1, 7.2, -0.5, 0.65), (4.3, 6.7, -4.6, 0.5), (5.0, 6.0, -8.0, 0.15)), 0.4),

@@ -44,7 +44,7 @@ def ken() -> Figure:
         (77.0, 10.2, 5.8, 6.6), (80.0, 9.2, 5.0, 6.0), (82.5, 6.6, 4.0, 5.2), (84.5, 4.2, 2.6, 4.4),
     ])  # fmt: skip
     return Figure(
-        skeleton=Skeleton.of(1.76, "male", "ken"), trunk=trunk / 100.0, limb=1.0, neck=(0.054, 0.061),
+        skeleton=Skeleton.of(1.76, "male", "ken"), trunk=trunk / 100.0, limb=0.95, neck=(0.054, 0.061),
         colours={
             "skin": (222, 172, 140), "lips": (196, 130, 110), "mouth": (120, 64, 56), "hair": (62, 46, 38),
             "brow": (50, 36, 30), "lash": (50, 36, 32), "blush": (206, 124, 98), "rim": (186, 130, 108),
