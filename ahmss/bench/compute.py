@@ -55,10 +55,10 @@ class Rig:
         while not self._main.agenda.done:
             self._main.frame()
 
-    def rate(self, line: str, frames: int = _FRAMES, rounds: int = _ROUNDS) -> float:
+    def rate(self, line: str, frames: int = _FRAMES, rounds: int = _ROUNDS, warm: int = _WARM) -> float:
         """Frames a second while a line is carried out; `{n}` in it is the number of frames it needs."""
-        self._begin(line.format(n=_WARM + rounds * frames + 1))
-        for _ in range(_WARM):
+        self._begin(line.format(n=warm + rounds * frames + 1))
+        for _ in range(warm):
             self._main.frame()
         took: list[float] = []
         for _ in range(rounds):

@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from ahmss.bench.goals import GOALS, look_up
+from ahmss.bench.goals import GOALS, Goal, look_up
 
 __all__ = ["markdown", "missed", "show"]
 
@@ -49,8 +49,13 @@ def _rows(report: Mapping[str, Any]) -> list[tuple[str, str, str, str, str]]:
         value = look_up(report, goal.key)
         measured = "not measured" if value is None else f"{value:,.{_digits(value)}f} {goal.unit}".rstrip()
         verdict = "" if value is None else ("reached" if goal.met(value) else "missed")
-        rows.append((goal.what, goal.thesis, f"{goal.reach} {goal.unit}".rstrip(), measured, verdict))
+        rows.append((goal.what, _with_unit(goal), f"{goal.reach} {goal.unit}".rstrip(), measured, verdict))
     return rows
+
+
+def _with_unit(goal: Goal) -> str:
+    """The thesis's figure with its unit."""
+    return goal.thesis if goal.thesis == "-" else f"{goal.thesis} {goal.unit}".rstrip()
 
 
 def _digits(value: float) -> int:
