@@ -26,7 +26,8 @@ __all__ = ["solve_gaze"]
 
 _SHARE = 0.9  # of the angle to the place, the rest is the eyes'
 _YAW, _PITCH_DOWN, _PITCH_UP = math.radians(75.0), math.radians(45.0), math.radians(40.0)
-_SPINE_FROM, _SPINE_SHARE, _SPINE_MOST = math.radians(40.0), 0.35, math.radians(20.0)
+_SPINE_FROM, _SPINE_SOFT, _SPINE_MOST = math.radians(30.0), math.radians(30.0), math.radians(20.0)
+_SPINE_SHARE = 0.4  # of the angle beyond
 _BEHIND = math.radians(130.0)  # from here on the interest fades: straight behind neither side is nearer
 _X, _Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
@@ -47,6 +48,7 @@ def solve_gaze(
     q_spine, q_head = given
     yaw, pitch = _direction(m, rotate(conjugate(q_spine), place), head, eye)
     beyond = m.maximum(m.maximum(yaw, -yaw) - _SPINE_FROM, 0.0)
+    beyond = beyond * beyond / (beyond + _SPINE_SOFT)  # starts without a jerk
     help_ = saturate(m, _SPINE_SHARE * beyond, -_SPINE_MOST, _SPINE_MOST) * m.where(yaw < 0.0, -1.0, 1.0)
     q_spine_new = multiply(q_spine, about(m, _X, weight * help_))
     yaw, pitch = _direction(m, rotate(conjugate(q_spine_new), place), head, eye)

@@ -267,3 +267,16 @@ def test_shapes_that_disagree_are_refused():
         solve(SKELETON, rotations, root, np.zeros((2, 5, 8)))
     with pytest.raises(ShapeError, match="solve"):
         solve(SKELETON, random_rotations(np.random.default_rng(0), 2, 43), root, np.zeros((2, 5, 8)))
+
+
+def test_gaze_sweeps_without_a_jerk_from_head_to_spine():
+    rotations, root = SKELETON.upright()
+    solved = []
+    for degrees in np.arange(-110.0, 110.0, 2.0):
+        a = np.radians(degrees)
+        targets = np.zeros((5, 8))
+        targets[GAZE] = [2.0 * np.cos(a), 2.0 * np.sin(a), 1.2, 0, 0, 0, 0, 1.0]
+        solved.append(solve(SKELETON, rotations, root, targets)[[INDEX["spine"], INDEX["head"]]])
+    solved = np.array(solved)
+    steps = np.degrees(to_rotation_vector(multiply(conjugate(solved[:-1]), solved[1:])))
+    assert np.linalg.norm(np.diff(steps, axis=0), axis=-1).max() < 0.2  # of steps of 2 degrees
