@@ -11,12 +11,16 @@ from pathlib import Path
 import pytest
 from ahmss_viewer.app import ViewOptions, ViewReport, view
 from ahmss_viewer.live import Stop, watch
+from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.source import Live
+from ahmss_viewer.stage import Stage
 from PIL import Image
 
+from ahmss.errors import Unreachable, WorldError
 from ahmss.world.client import WorldClient
 from ahmss.world.process import ServerProcess
-from ahmss.world.schema import NewObject
+from ahmss.world.schema import NewObject, ObjectRecord, Scene
+from ahmss.world.view import World
 
 from .scenes import RED, SKELETON, box_glb, decode, raised
 
@@ -129,7 +133,7 @@ def test_a_server_that_comes_late_and_is_restarted_is_found_again(tmp_path: Path
         first.stop()
 
 
-def test_a_viewer_without_a_server_waits_and_ends_when_it_is_told(tmp_path: Path) -> None:
+def test_a_viewer_without_a_server_waits_until_it_is_told_and_says_why_it_saw_nothing(tmp_path: Path) -> None:
     stop = Stop()
     options = ViewOptions(address="127.0.0.1:1", record=tmp_path / "a.mp4", size=(160, 120))
 
@@ -137,6 +141,56 @@ def test_a_viewer_without_a_server_waits_and_ends_when_it_is_told(tmp_path: Path
         stop.asked = True
 
     ender = later(0.5, end)
-    report = watch(options, stop)
+    with pytest.raises(Unreachable, match=r"no virtual-space server answers at .*; start one"):
+        watch(options, stop)
     ender.join()
-    assert report.pictures == 0
+    assert not (tmp_path / "a.mp4").exists()
+
+
+@pytest.mark.parametrize("seconds", [2.0, pytest.param(60.0, marks=[pytest.mark.long, pytest.mark.timeout(150)])])
+def test_after_a_stall_the_newest_world_is_shown_and_no_older_one(server: ServerProcess, seconds: float) -> None:
+    address = str(server.address)
+    source = Live(address)
+    try:
+        with actor(address):
+            while not len(source.world.human_ids):
+                assert source.wait(20.0)
+            before = source.world.tick
+            time.sleep(seconds)
+            assert source.wait(5.0)
+            assert source.world.tick > before + 30 * seconds
+            assert source.age() < 1.0
+    finally:
+        source.close()
+
+
+def test_a_shape_that_comes_later_is_shown_then() -> None:
+    shapes: dict[str, bytes] = {}
+    problems = WorldError("the server has no asset")
+
+    def asset(name: str) -> bytes:
+        if name not in shapes:
+            raise problems
+        return shapes[name]
+
+    world = World()
+    world.load(Scene(1, [ObjectRecord(4, "box", "box", (0, 0, 0), (1, 0, 0, 0), shape="a")], []))
+    stage = Stage()
+    shown = Mirror(stage, asset, lambda _: {})
+    shown.show(world)
+    assert not stage.things[4].surfaces
+    assert shown.problems == ["the server has no asset"]
+    shapes["a"] = box_glb((1.0, 1.0, 1.0), RED)
+    shown._again = 0.0
+    shown.show(world)
+    assert stage.things[4].surfaces
+
+
+def test_a_scene_that_grows_and_shrinks_is_followed() -> None:
+    records = [ObjectRecord(n, f"box{n}", "box", (n, 0, 0), (1, 0, 0, 0), shape="a") for n in range(3)]
+    world, stage = World(), Stage()
+    shown = Mirror(stage, lambda _: box_glb((1.0, 1.0, 1.0), RED), lambda _: {})
+    for revision, count in enumerate([0, 3, 1, 2, 0], start=1):
+        world.load(Scene(revision, records[:count], []))
+        shown.show(world)
+        assert set(stage.things) == set(range(count))

@@ -19,7 +19,7 @@ __all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset", "sh
 _SIDES = (40, -40, 60, -60, 22, -22, 85, -85, 120, -120)  # degrees from straight in front
 _HEIGHTS = (14, 27)
 _SMALL = 96  # pixels high
-_HIDDEN_COST, _SIDE_COST, _HEIGHT_COST = 1.0, 0.45, 0.1
+_NEAR_COST, _SIDE_COST, _HEIGHT_COST = 0.8, 0.45, 0.1
 _INSIDE = 0.14  # metres: a joint lies about so deep under the skin
 _REACH, _LARGE = 0.75, 1.8  # what is so near to a hand counts, unless it is so large
 _HANDS = (INDEX["right_hand"], INDEX["left_hand"])
@@ -142,15 +142,15 @@ def best_view(
             aside = max(0.0, abs(side) - 50.0) / 90.0
             scores.append(-_SIDE_COST * aside - _HEIGHT_COST * abs(height - 16.0) / 16.0)
     looked = [wanted] if moments is None else moments
-    hidden = np.zeros(len(views))
+    faults = np.zeros(len(views))
     count = 0
     for moment in looked:
         count += 1
         for i, view in enumerate(views):
             painter.draw_depth(stage, view, target)
-            hidden[i] += 1.0 - _visible(moment, view, target)
+            faults[i] += _faults(moment, view, target)
     target.delete()
-    return views[int(np.argmax(np.array(scores) - _HIDDEN_COST * hidden / max(count, 1)))]
+    return views[int(np.argmax(np.array(scores) - faults / max(count, 1)))]
 
 
 def _facing(facing: Array, side: float, height: float) -> View:
@@ -159,16 +159,16 @@ def _facing(facing: Array, side: float, height: float) -> View:
     return View(azimuth=azimuth, elevation=float(np.radians(height)))
 
 
-def _visible(wanted: Interest, view: View, target: Target) -> float:
-    """The share of what matters that nothing hides."""
+def _faults(wanted: Interest, view: View, target: Target) -> float:
+    """The share of what matters that something hides, and some of the share of the picture that stands too near."""
     depth = target.read_depth()
+    P = view.projection(target.drawn[0] / target.drawn[1])
+    metres = P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2])
     seen = project(wanted.points, view, target.drawn)
     column = np.clip(seen[:, 0].astype(int), 0, target.drawn[0] - 1)
     row = np.clip(seen[:, 1].astype(int), 0, target.drawn[1] - 1)
-    P = view.projection(target.drawn[0] / target.drawn[1])
-    clip = 2.0 * depth[row, column].astype(float) - 1.0
-    metres = P[2, 3] / (clip + P[2, 2])
-    return float(np.average(metres > seen[:, 2] - _INSIDE, weights=wanted.weights))
+    hidden = np.average(metres[row, column] < seen[:, 2] - _INSIDE, weights=wanted.weights)
+    return float(hidden + _NEAR_COST * np.mean(metres < 0.45 * view.distance))
 
 
 class Follower:

@@ -12,6 +12,7 @@ from types import FrameType
 import numpy as np
 from numpy.typing import NDArray
 
+from ahmss.errors import Unreachable
 from ahmss_viewer.aim import Aim
 from ahmss_viewer.caption import Flat
 from ahmss_viewer.mirror import Mirror
@@ -26,6 +27,7 @@ __all__ = ["watch"]
 
 _RATE = 30.0
 _TILE, _EVERY = 320, 30
+_NOBODY_S = 10.0
 _PATIENCE_S = 2.0  # a snapshot waits so long for a human to come
 
 
@@ -44,6 +46,7 @@ def watch(
     `progress` is told the pictures drawn, of 0 that are to be, after each of them.
 
     Raises:
+        Unreachable: until the end no world was seen; a snapshot alone waits 10 s for one.
         DataError: a file can't be written.
         DependencyError: nothing here draws without a window.
     """
@@ -102,7 +105,11 @@ class _Watch:
         return self.report
 
     def _over(self, begin: float) -> bool:
-        return self.options.seconds is not None and time.monotonic() - begin >= self.options.seconds
+        passed = time.monotonic() - begin
+        if self.options.seconds is not None:
+            return passed >= self.options.seconds
+        alone = self.options.snapshot is not None and self.options.record is None and self.options.sheet is None
+        return alone and self.source.world.revision < 0 and passed > _NOBODY_S
 
     def _draw(self, *, fresh: bool) -> NDArray[np.uint8]:
         """One picture of the newest world."""
@@ -166,7 +173,12 @@ class _Watch:
         return self.options.record is None and self.options.sheet is None and self.options.seconds is None
 
     def _finish(self) -> None:
-        """The sheet, and the report."""
+        """The sheet, and the report. Unreachable: nothing was ever seen."""
+        if self.source.world.revision < 0:
+            name = self.source.name
+            raise Unreachable(
+                f"no virtual-space server answers at {name}; start one with `ahmss server`, or check the keys"
+            )
         if self.options.record is not None:
             self.report.files.append(str(self.options.record))
         if self.options.sheet is not None:

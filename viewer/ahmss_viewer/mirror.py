@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
-from ahmss.errors import AhmssError
+from ahmss.errors import AhmssError, ProtocolError
 from ahmss.world.schema import HumanRecord, ObjectRecord
 from ahmss.world.view import World
 from ahmss_viewer.figure import plain_figure
@@ -19,6 +20,7 @@ from ahmss_viewer.surface import Surface
 
 __all__ = ["Mirror"]
 
+_PATIENCE_S = 3.0
 _LOOK = ("id", "name", "shape", "texture")
 
 
@@ -45,11 +47,18 @@ class Mirror:
         self._humans: dict[int, tuple[Any, ...]] = {}
         self._poses: Array | None = None
         self._revision = -1
+        self._missing: set[int] = set()  # ids of what lacks its shape because nobody gave it
+        self._again = 0.0
 
     def show(self, world: World) -> None:
-        """Bring the stage to what the world is now."""
-        if world.revision != self._revision:
+        """Bring the stage to what the world is now; what could not be had is asked for again after a while."""
+        again = bool(self._missing) and time.monotonic() > self._again
+        if world.revision != self._revision or again:
             self._revision = world.revision
+            self._objects = {n: look for n, look in self._objects.items() if n not in self._missing}
+            self._humans = {n: look for n, look in self._humans.items() if n not in self._missing}
+            self._missing.clear()
+            self._again = time.monotonic() + _PATIENCE_S
             self._follow_objects(world)
             self._follow_humans(world)
         self._place_objects(world)
@@ -66,7 +75,7 @@ class Mirror:
         for record in world.objects.values():
             if record.id not in self._objects:
                 pose = world.pose(record.name)
-                self.stage.add_object(record.id, record.name, self._shape(record), pose[:3], pose[3:])
+                self.stage.add_object(record.id, record.name, self._load(record), pose[:3], pose[3:])
                 self._objects[record.id] = wanted[record.id]
         self._poses = None
 
@@ -102,12 +111,8 @@ class Mirror:
             surfaces = plain_figure(skeleton)
         self.stage.add_human(record.id, record.name, skeleton.offsets, surfaces)
 
-    def _shape(self, record: ObjectRecord) -> tuple[Surface, ...]:
-        """The surfaces of an object; none where it has no shape, or none that can be read."""
-        return self._load(record)
-
     def _load(self, record: ObjectRecord | HumanRecord) -> tuple[Surface, ...]:
-        """Surfaces of a shape with its texture, read once for all that share them."""
+        """Surfaces of a shape with its texture, read once for all that share them; none where there is no shape."""
         key = (record.shape, record.texture)
         if not record.shape:
             return ()
@@ -117,10 +122,15 @@ class Mirror:
                 if record.texture:
                     image = self._asset(record.texture)
                     surfaces = tuple(surface.textured(image) for surface in surfaces)
+            except ProtocolError as error:
+                self._note(str(error))
+                self._surfaces[key] = ()
             except AhmssError as error:
                 self._note(str(error))
+                self._missing.add(record.id)
                 return ()
-            self._surfaces[key] = surfaces
+            else:
+                self._surfaces[key] = surfaces
         return self._surfaces[key]
 
     def _note(self, problem: str) -> None:

@@ -71,7 +71,10 @@ class Movie:
         """Finish the file."""
         if self._ffmpeg.stdin is None or self._ffmpeg.stdin.closed:
             return
-        if self._end():
+        code = self._end()
+        if not self.frames:
+            self.path.unlink(missing_ok=True)  # a film of nothing is no film
+        elif code:
             raise self._fault()
 
     def __enter__(self) -> Movie:

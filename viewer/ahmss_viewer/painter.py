@@ -24,12 +24,13 @@ from ahmss_viewer.target import Screen, Target
 __all__ = ["Painter"]
 
 _SUN = np.array([0.34, 0.36, 0.87])
+_SHADOW_SIZE = 2048
 _FARTHEST_SHADOW = 9.0  # metres from the middle of the picture; beyond it nothing that stands casts a shadow
 _IMAGE_UNIT, _SHADOW_UNIT = 0, 1
 
 
 class Painter:
-    """Draws in the current context. `fine`: shadows from larger maps, for recordings."""
+    """Draws in the current context. `fine`: shadows without steps, for recordings."""
 
     def __init__(self, *, fine: bool = False) -> None:
         self._soft = False
@@ -39,8 +40,9 @@ class Painter:
         self._vectors: dict[str, Array] = {}
         self._sky = Program("sky")
         self._flat = Program("picture")
-        self._still = ShadowMap(2048 if fine else 1024)
-        self._shadows = ShadowMap(self._still.size)
+        self._still = ShadowMap(_SHADOW_SIZE, smooth=False)
+        self._shadows = ShadowMap(_SHADOW_SIZE, smooth=fine)
+        self._disturbed: Array | None = None
         self._empty: Any = GL.glGenVertexArrays(1)
         self._still_shown: tuple[int, bytes | None] = (-1, None)
         self._sun = _SUN / np.linalg.norm(_SUN)
@@ -111,7 +113,9 @@ class Painter:
             self._still_shown = shown
             self._still.begin(sun_view(self._sun, bounds))
             self._draw_depths(self._still.T_clip_world, ((batch, identity) for batch in stage.still()))
-        copied = self._shadows.take(self._still)
+            self._disturbed = None
+        copied = self._shadows.take(self._still, self._disturbed)
+        self._disturbed = moving if moving is not None else np.zeros((2, 3))
         self._shadows.begin(self._still.T_clip_world, clear=not copied)
         if not copied:
             self._draw_depths(self._shadows.T_clip_world, ((batch, identity) for batch in stage.still()))

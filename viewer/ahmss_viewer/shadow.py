@@ -9,7 +9,7 @@ from OpenGL import GL
 
 from ahmss.body.array import Array
 
-__all__ = ["ShadowMap", "sun_view"]
+__all__ = ["ShadowMap", "corners_of", "sun_view"]
 
 _TO_TEXTURE = np.array([[0.5, 0.0, 0.0, 0.5], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 0.5, 0.5], [0.0, 0.0, 0.0, 1.0]])
 
@@ -22,8 +22,7 @@ def sun_view(sun: Array, bounds: Array | None, margin: float = 0.1) -> Array:
     x = np.cross([0.0, 1.0, 0.0], z)
     x /= np.linalg.norm(x)
     turn = np.stack([x, np.cross(z, x), z])
-    choice = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    corners = np.where(choice == 0, bounds[0], bounds[1]) @ turn.T
+    corners = corners_of(bounds) @ turn.T
     low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
     T = np.eye(4)
     scale = 2.0 / (high - low) * np.array([1.0, 1.0, -1.0])
@@ -32,10 +31,19 @@ def sun_view(sun: Array, bounds: Array | None, margin: float = 0.1) -> Array:
     return T
 
 
-class ShadowMap:
-    """A square depth texture with hardware comparison; outside of it everything is in the sun."""
+def corners_of(bounds: Array) -> Array:
+    """The eight corners (8, 3) of a box (2, 3)."""
+    choice = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    return np.where(choice == 0, bounds[0], bounds[1])
 
-    def __init__(self, size: int) -> None:
+
+class ShadowMap:
+    """A square depth texture with hardware comparison; outside of it everything is in the sun.
+
+    `smooth` blends the four nearest answers, which costs a fifth of a picture without a GPU.
+    """
+
+    def __init__(self, size: int, *, smooth: bool) -> None:
         self.size = size
         self.T_clip_world: Array = np.eye(4)
         self.texture: Any = GL.glGenTextures(1)
@@ -44,8 +52,9 @@ class ShadowMap:
             GL.GL_TEXTURE_2D, 0, GL.GL_DEPTH_COMPONENT16, size, size, 0,
             GL.GL_DEPTH_COMPONENT, GL.GL_UNSIGNED_SHORT, None,
         )  # fmt: skip
+        blend = GL.GL_LINEAR if smooth else GL.GL_NEAREST
         for name, value in (
-            (GL.GL_TEXTURE_MIN_FILTER, GL.GL_LINEAR), (GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR),
+            (GL.GL_TEXTURE_MIN_FILTER, blend), (GL.GL_TEXTURE_MAG_FILTER, blend),
             (GL.GL_TEXTURE_WRAP_S, GL.GL_CLAMP_TO_BORDER), (GL.GL_TEXTURE_WRAP_T, GL.GL_CLAMP_TO_BORDER),
             (GL.GL_TEXTURE_COMPARE_MODE, GL.GL_COMPARE_REF_TO_TEXTURE), (GL.GL_TEXTURE_COMPARE_FUNC, GL.GL_LEQUAL),
         ):  # fmt: skip
@@ -76,13 +85,28 @@ class ShadowMap:
         """Stop drawing into maps."""
         GL.glDisable(GL.GL_POLYGON_OFFSET_FILL)
 
-    def take(self, other: ShadowMap) -> bool:
-        """Hold what another map of this size holds, and then draw more; False where this OpenGL can't copy it."""
+    def take(self, other: ShadowMap, bounds: Array | None) -> bool:
+        """Hold what another map of this size holds, and then draw more into it.
+
+        Args:
+            other: seen as this one was seen when it was last taken from whole.
+            bounds: the box (2, 3) in the world in which this map may differ from the other; None: everywhere.
+
+        Returns:
+            False where this OpenGL can't copy.
+        """
         copy: Any = GL.glCopyImageSubData
         if not copy:
             return False
-        plane = GL.GL_TEXTURE_2D
-        copy(other.texture, plane, 0, 0, 0, 0, self.texture, plane, 0, 0, 0, 0, self.size, self.size, 1)
+        low, high = np.zeros(2, int), np.full(2, self.size)
+        if bounds is not None:
+            seen = corners_of(bounds) @ self.to_texture()[:2, :3].T + self.to_texture()[:2, 3]
+            low = np.clip(np.floor(seen.min(axis=0) * self.size) - 2, 0, self.size).astype(int)
+            high = np.clip(np.ceil(seen.max(axis=0) * self.size) + 2, 0, self.size).astype(int)
+        (left, bottom), (width, height) = low.tolist(), (high - low).tolist()
+        if width > 0 and height > 0:
+            kind = GL.GL_TEXTURE_2D
+            copy(other.texture, kind, 0, left, bottom, 0, self.texture, kind, 0, left, bottom, 0, width, height, 1)
         return True
 
     def bind(self, unit: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -74,48 +73,50 @@ class Stage:
         self.scene = pyrender.Scene()
         self.things: dict[int, Thing] = {}
         self.actors: dict[int, Actor] = {}
-        self._merged: dict[tuple[str, bool], Merged] = {}
-        self._textures: dict[str, pyrender.Texture | None] = {}
-        self._meshes: dict[tuple[int, ...], pyrender.Mesh] = {}
+        self._merged: dict[tuple[bytes | None, bool], Merged] = {}
+        self._textures: dict[bytes, pyrender.Texture | None] = {}
+        self._meshes: dict[tuple[int, ...], tuple[tuple[Surface, ...], pyrender.Mesh]] = {}
 
     # objects
 
     def add_object(
         self,
-        id: int,
+        number: int,
         name: str,
         surfaces: Sequence[Surface],
         place: Array,
         rotation: Array,
     ) -> None:
         """Put a new object on the stage; surfaces shared with other objects (one kind) are uploaded once."""
-        self.remove_object(id)
+        self.remove_object(number)
         surfaces = tuple(surface for surface in surfaces if len(surface.faces))
         boxes = np.array([surface.bounds() for surface in surfaces]) if surfaces else np.zeros((1, 2, 3))
         box = np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
-        thing = Thing(id, name, surfaces, np.array(place, float), np.array(rotation, float), box, self._mesh(surfaces))
-        self.things[id] = thing
+        thing = Thing(
+            number, name, surfaces, np.array(place, float), np.array(rotation, float), box, self._mesh(surfaces)
+        )
+        self.things[number] = thing
         self._settle(thing)
 
-    def remove_object(self, id: int) -> None:  # noqa: A002
+    def remove_object(self, number: int) -> None:
         """Take an object off the stage."""
-        thing = self.things.pop(id, None)
+        thing = self.things.pop(number, None)
         if thing is None:
             return
         if thing.node is not None:
             self.scene.remove_node(thing.node)
-        for number, surface in enumerate(thing.surfaces):
-            self._merge_of(surface).remove((id, number))
+        for index, surface in enumerate(thing.surfaces):
+            self._merge_of(surface).remove((number, index))
 
-    def move_object(self, id: int, place: Array, rotation: Array) -> None:  # noqa: A002
+    def move_object(self, number: int, place: Array, rotation: Array) -> None:
         """Put an object elsewhere; one that is already there stays merged."""
-        thing = self.things[id]
+        thing = self.things[number]
         if np.array_equal(thing.place, place) and np.array_equal(thing.rotation, rotation):
             return
         thing.place, thing.rotation, thing.rested = np.array(place, float), np.array(rotation, float), 0
         if thing.node is None:
-            for number, surface in enumerate(thing.surfaces):
-                self._merge_of(surface).lift((id, number))
+            for index, surface in enumerate(thing.surfaces):
+                self._merge_of(surface).lift((number, index))
             thing.node = self.scene.add(thing.mesh, pose=thing.matrix)
         else:
             self.scene.set_pose(thing.node, thing.matrix)
@@ -132,26 +133,26 @@ class Stage:
 
     # humans
 
-    def add_human(self, id: int, name: str, offsets: Array, surfaces: Sequence[Surface]) -> None:  # noqa: A002
+    def add_human(self, number: int, name: str, offsets: Array, surfaces: Sequence[Surface]) -> None:
         """Put a human on the stage: surfaces with skins, offsets (43, 3) of its skeleton."""
-        self.remove_human(id)
+        self.remove_human(number)
         skins = [surface.skin for surface in surfaces if surface.skin is not None]
         batches = tuple(Batch.of(s, self._texture(s.image)) for s in surfaces if s.skin is not None)
         binds = skins[0].inverse_binds if skins else np.broadcast_to(np.eye(4), (43, 4, 4))
         node = self.scene.add(pyrender.Mesh(list(batches), name=name))
-        self.actors[id] = Actor(id, name, np.asarray(offsets, float), batches, np.asarray(binds, float), node)
+        self.actors[number] = Actor(number, name, np.asarray(offsets, float), batches, np.asarray(binds, float), node)
 
-    def remove_human(self, id: int) -> None:  # noqa: A002
+    def remove_human(self, number: int) -> None:
         """Take a human off the stage."""
-        actor = self.actors.pop(id, None)
+        actor = self.actors.pop(number, None)
         if actor is not None:
             self.scene.remove_node(actor.node)
             for batch in actor.batches:
                 batch.delete()
 
-    def pose_human(self, id: int, rotations: Array, root: Array) -> None:  # noqa: A002
+    def pose_human(self, number: int, rotations: Array, root: Array) -> None:
         """Pose a human: rotations (43, 4), root (3,), as everywhere."""
-        actor = self.actors[id]
+        actor = self.actors[number]
         actor.places, world = forward(np.asarray(rotations, float), np.asarray(root, float), actor.offsets)
         T_world_link = np.zeros((43, 4, 4))
         T_world_link[:, :3, :3], T_world_link[:, :3, 3], T_world_link[:, 3, 3] = to_matrix(world), actor.places, 1.0
@@ -213,8 +214,7 @@ class Stage:
 
     def _merge_of(self, surface: Surface) -> Merged:
         """The merged batch of this surface's texture."""
-        image = "" if surface.image is None else hashlib.sha1(surface.image).hexdigest()
-        key = (image, surface.two_sided)
+        key = (surface.image, surface.two_sided)
         if key not in self._merged:
             self._merged[key] = Merged(self._texture(surface.image), two_sided=surface.two_sided)
         return self._merged[key]
@@ -223,17 +223,17 @@ class Stage:
         """The texture of these bytes, opened once."""
         if image is None:
             return None
-        key = hashlib.sha1(image).hexdigest()
-        if key not in self._textures:
-            self._textures[key] = open_image(image)
-        return self._textures[key]
+        if image not in self._textures:
+            self._textures[image] = open_image(image)
+        return self._textures[image]
 
     def _mesh(self, surfaces: tuple[Surface, ...]) -> pyrender.Mesh:
         """The mesh of these surfaces, shared by all objects that have the same ones."""
         key = tuple(id(surface) for surface in surfaces)
         if key not in self._meshes:
-            self._meshes[key] = pyrender.Mesh([Batch.of(s, self._texture(s.image)) for s in surfaces])
-        return self._meshes[key]
+            mesh = pyrender.Mesh([Batch.of(s, self._texture(s.image)) for s in surfaces])
+            self._meshes[key] = (surfaces, mesh)  # holds the surfaces, so that their ids stay theirs
+        return self._meshes[key][1]
 
 
 def _union(boxes: Sequence[Array | None]) -> Array | None:

@@ -5,8 +5,7 @@ uniform sampler2DShadow shadows;
 uniform sampler2D image;
 in vec2 at;
 #endif
-in vec3 shade;
-in vec3 sunlit;
+in vec4 shade;
 in vec3 in_shadows;
 out vec4 pixel;
 
@@ -24,7 +23,7 @@ float seen(vec3 place) {
 }
 
 void main() {
-    vec3 light = shade + sunlit * seen(in_shadows);
+    vec3 light = shade.rgb + shade.rgb * vec3(1.13, 1.0, 0.83) * (shade.a * seen(in_shadows));
 #ifdef TEXTURED
     vec3 texel = texture(image, at).rgb;
     light *= texel * texel;

@@ -15,8 +15,7 @@ uniform mat4 T_world_model;
 uniform mat4 T_shadows_world;  // to the texture of the sun's shadows
 uniform vec3 sun;   // towards it
 uniform vec3 fill;  // towards the weak second light
-out vec3 shade;
-out vec3 sunlit;
+out vec4 shade;  // light without the sun, and how much more the sun adds
 out vec3 in_shadows;
 #ifdef TEXTURED
 out vec2 at;
@@ -42,8 +41,8 @@ void main() {
     n = normalize(n);
     vec3 albedo = colour.rgb * colour.rgb;
     vec3 sky = mix(vec3(0.25, 0.22, 0.19), vec3(0.46, 0.50, 0.56), 0.5 + 0.5 * n.z);
-    shade = albedo * (sky + vec3(0.16, 0.15, 0.14) * max(dot(n, fill), 0.0));
-    sunlit = albedo * vec3(0.68, 0.64, 0.56) * max(dot(n, sun), 0.0);
+    vec3 dim = sky + vec3(0.16, 0.15, 0.14) * max(dot(n, fill), 0.0);
+    shade = vec4(albedo * dim, 0.64 * max(dot(n, sun), 0.0) / dim.g);
     vec4 lifted = vec4(p + 0.012 * n, 1.0);
     in_shadows = (T_shadows_world * lifted).xyz;
 #ifdef TEXTURED
