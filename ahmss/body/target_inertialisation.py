@@ -13,6 +13,7 @@ from ahmss.body.skeleton import Skeleton
 
 __all__ = ["TargetInertialiser"]
 
+_SAME = 0.02  # metres, or share of weight, by which what is looked at may differ to be the same
 _GAZE_LONGER = 1.5  # a head turns towards a new place in some 0.6 s
 
 
@@ -30,6 +31,7 @@ class TargetInertialiser:
         self._places = Places(4, rate, seconds)
         self._turns = Rotations(4, rate, seconds)
         self._gaze = Places(2, rate, _GAZE_LONGER * seconds)  # its place; its weight, as (weight, 0, 0)
+        self._wanted = _NO_GAZE  # the gaze's rows that came last
         self._poses: list[tuple[Array, Array]] = []  # the last that came out, newest last, at most two
 
     @property
@@ -55,6 +57,9 @@ class TargetInertialiser:
             switched: (5,) whose source is another one from this frame on.
         """
         gaze = _gaze_rows(targets)
+        # Two motions that look at the same thing, one after the other, are one gaze.
+        new_gaze = bool(switched[GAZE]) and bool(np.abs(gaze - self._wanted).max() > _SAME)
+        self._wanted = gaze
         if self.settled and not switched.any():
             self._gaze.settle(gaze)
             return targets
@@ -67,7 +72,7 @@ class TargetInertialiser:
         out[:4, :3] = self._places.step(targets[:4, :3], fresh)
         turns = np.where(free[:, None], _NO_TURNS, targets[:4, 3:7])
         out[:4, 3:7] = np.where(free[:, None], 0.0, self._turns.step(turns, fresh & ~free))
-        self._step_gaze(out, gaze, bool(switched[GAZE]))
+        self._step_gaze(out, gaze, new_gaze)
         return out
 
     def _take_hold(self) -> None:

@@ -69,14 +69,14 @@ def clips(skeleton: Skeleton, scene: Scene) -> dict[str, Clip]:
         Phase(0.30, AT_CLOSED, 0.0, 1.0, 1.0),
         Phase(1.30, AT_OPEN, ANGLE, 1.0, 1.0),
         Phase(0.25, AT_OPEN, ANGLE, 1.0, 0.0),
-        Phase(1.00, STANDING, ANGLE, 0.0, 0.0),
+        Phase(1.20, STANDING, ANGLE, 0.0, 0.0),
     )
     closing = (
-        Phase(1.00, AT_OPEN, ANGLE, 1.0, 0.0),
+        Phase(1.15, AT_OPEN, ANGLE, 1.0, 0.0),
         Phase(0.30, AT_OPEN, ANGLE, 1.0, 1.0),
         Phase(1.30, AT_CLOSED, 0.0, 1.0, 1.0),
         Phase(0.25, AT_CLOSED, 0.0, 1.0, 0.0),
-        Phase(0.95, STANDING, 0.0, 0.0, 0.0),
+        Phase(1.00, STANDING, 0.0, 0.0, 0.0),
     )
     return {
         "door/open.npz": _clip(skeleton, scene, 0.0, opening),
