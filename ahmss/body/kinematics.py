@@ -91,9 +91,10 @@ class _Step(NamedTuple):
     spare: Any
     place: tuple[Any, Any]  # x, y + z i
     place_parent: tuple[Any, Any]
-    turned: tuple[Any, Any]  # the parent's x axis in the world: x, y + z i
-    along: Any  # the offsets along the parent's x axis
-    across: Any  # and across, y + z i
+    products: tuple[Any, Any]  # |b|^2 and a b of the parent's world rotation
+    along: Any  # the offset s along the parent's x axis
+    along_factors: tuple[Any, Any]  # -2 s and -2 i s, of the products' types, so that numpy need not convert
+    across: Any  # the offset's y + z i
 
 
 class _Workspace:
@@ -101,15 +102,17 @@ class _Workspace:
 
     def __init__(self, n: int) -> None:
         self.own, self.world = _complex(2, 43, n), _complex(2, 43, n)
-        self.x, self.turned_x, self.square = (np.empty((1, 43, n)) for _ in range(3))
+        self.x, self.length_b, self.square = (np.empty((1, 43, n)) for _ in range(3))
         spare = _complex(2 * _MOST * n)  # one for all steps, so that it stays in the cache
-        self.yz, self.turned_yz = _complex(1, 43, n), _complex(1, 43, n)
-        self.along, self.across = np.empty((1, 43, 1)), _complex(1, 43, 1)
+        self.yz, self.a_b = _complex(1, 43, n), _complex(1, 43, n)
+        self.along, self.factor_x = np.empty((1, 43, 1)), np.empty((1, 43, 1))
+        self.factor_yz, self.across = _complex(1, 43, 1), _complex(1, 43, 1)
         self.steps = [
             _Step(
                 child(self.own), child(self.world), parent(self.world), _like(child(self.own), spare),
                 (child(self.x)[0], child(self.yz)[0]), (parent(self.x)[0], parent(self.yz)[0]),
-                (parent(self.turned_x)[0], parent(self.turned_yz)[0]), child(self.along)[0], child(self.across)[0],
+                (parent(self.length_b)[0], parent(self.a_b)[0]), child(self.along)[0],
+                (child(self.factor_x)[0], child(self.factor_yz)[0]), child(self.across)[0],
             )
             for child, parent in _STEPS
         ]  # fmt: skip
@@ -117,18 +120,16 @@ class _Workspace:
     def compute(self, q: Array, root: Array, along: Array, across: Any) -> None:
         """World rotations and places from rotations q (4, 43, n), root (3, n) and offsets (43,)."""
         self.along[0, :, 0], self.across[0, :, 0] = along, across
+        self.factor_x[0, :, 0], self.factor_yz[0, :, 0] = -2.0 * along, -2j * along
         self.own.real, self.own.imag = q[0::2], q[1::2]
         self.world[:, 0] = self.own[:, 0]
         for step in self.steps:
             _multiply(step)
         a, b = self.world
-        np.multiply(b.real, b.real, self.turned_x[0])
+        np.multiply(b.real, b.real, self.length_b[0])
         np.multiply(b.imag, b.imag, self.square[0])
-        self.turned_x += self.square
-        self.turned_x *= -2.0
-        self.turned_x += 1.0
-        np.multiply(a, b, self.turned_yz[0])
-        self.turned_yz *= -2j
+        self.length_b += self.square
+        np.multiply(a, b, self.a_b[0])
         self.x[0, 0], self.yz[0, 0].real, self.yz[0, 0].imag = root
         for step in self.steps:
             _place(step)
@@ -165,8 +166,9 @@ def _place(step: _Step) -> None:
     x' = s (1 - 2 |b|^2) + 2 Im(a b* c) and y' + z' i = -2 i s a b + a^2 c + b^2 c*.
     """
     x, yz = step.place
-    np.multiply(step.along, step.turned[0], x)
-    np.multiply(step.along, step.turned[1], yz)
+    np.multiply(step.along_factors[0], step.products[0], x)
+    np.multiply(step.along_factors[1], step.products[1], yz)
+    x += step.along
     c = step.across
     if c.any():
         a, b = step.q_world_parent
