@@ -161,12 +161,13 @@ class Agenda:
                 read.result()
                 placed = main.communication.add(line, main.workspace)
                 main.layout.remember(placed)
-                more = f", with {len(placed) - 1} objects in it" if len(placed) > 1 else ""
+                inside = len(placed) - 1
+                more = f", with {inside} objects in it" if inside else ""
                 self.said(f"{placed[0].name} is in the world{more}")
             except AhmssError as error:
-                main.trouble(f"{step.where}: {error}" if step.where else str(error))
+                self._trouble(step, error)
 
-        if self._setup.fast:
+        if self._setup.lockstep:
             load()
             place()
             return

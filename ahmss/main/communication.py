@@ -32,9 +32,9 @@ class Communication:
     A snapshot is some frames old when it comes; of what this human moved last its own word is newer and counts.
     """
 
-    def __init__(self, client: WorldClient, human: str, *, fast: bool = False) -> None:
+    def __init__(self, client: WorldClient, human: str, *, lockstep: bool = False, fast: bool = False) -> None:
         self.client, self.human = client, human
-        self.fast = fast
+        self.lockstep, self.fast = lockstep, fast
         self.frame = 0
         self._own: dict[str, tuple[int, Array]] = {}
         self._said: dict[str, tuple[int, dict[str, StateValue]]] = {}
@@ -66,10 +66,10 @@ class Communication:
         )  # fmt: skip
         self.client.refresh()
 
-    def update(self) -> World:
-        """Take in what has come; in lockstep wait until the world has completed the frame before."""
-        if self.fast:
-            return self.client.collect()
+    def update(self, *, complete: bool) -> World:
+        """Take in what has come; in lockstep wait for the world: `complete` for all frames that were sent."""
+        if self.lockstep:
+            return self.client.collect(0 if complete else 1)
         world = self.client.poll()
         if self._own or self._said:
             self._forget()
@@ -79,6 +79,8 @@ class Communication:
         """One world frame: the human and the objects that it moves, (m, 8) rows of id, place, rotation."""
         self.frame += 1
         self.client.publish(self.human, self.frame, root, rotations, moved)
+        if self.lockstep and not self.fast:  # at the pace of the clock each frame is to be seen at once
+            self.client.collect()
 
     def pose(self, name: str) -> Array:
         """Where an object is (7,): where this human put it last, or where the world has it."""
@@ -87,7 +89,7 @@ class Communication:
 
     def put(self, name: str, pose: Array) -> None:
         """This human has moved an object it holds, in the frame that is published next."""
-        if not self.fast:  # in lockstep the world itself is as new as this
+        if not self.lockstep:  # there the world itself is as new as this
             self._own[name] = (self.frame + 1, pose)
 
     def complaints(self) -> list[str]:
@@ -135,7 +137,7 @@ class Communication:
     def claim(self, name: str, hand: str) -> Pending:
         """Ask that only this human moves an object from now on."""
         pending = self.client.begin(Claim(self.human, [name], hand))
-        if self.fast:  # the others' frames wait for this one: nothing is held up that does not wait anyway
+        if self.lockstep:  # the others' frames wait for this one: nothing is held up that does not wait anyway
             with contextlib.suppress(WorldError):  # `pending` keeps the reason
                 self.client.finish(pending, _PATIENCE)
         return pending
@@ -146,7 +148,7 @@ class Communication:
 
     def set_state(self, name: str, state: str, value: StateValue) -> Pending:
         """Set an object's state."""
-        if not self.fast:
+        if not self.lockstep:
             _, states = self._said.get(name, (0, {}))
             self._said[name] = (self.frame + _SEEN, {**states, state: value})
         return self.client.begin(SetState([StateChange(name, state, value)]))

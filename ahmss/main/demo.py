@@ -14,13 +14,14 @@ from typing import Any
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, DependencyError
 from ahmss.main.play import PlayReport, PlaySetup, play_script
+from ahmss.main.script import read_script
 from ahmss.world.process import ServerProcess
 
 __all__ = ["has_display", "run_demo"]
 
 _SCRIPT = Path("examples") / "table.txt"
 _LIVE_SIZE = "640x480"
-_FILM_SIZE = (1280, 720)
+_FILM_SIZE = (960, 540)
 _VIEWER_ENDS_S = 20.0
 
 
@@ -62,10 +63,11 @@ def run_demo(out: Path, workspace: Path | None, *, window: bool, say: Callable[[
 
 def _play(script: Path, root: Path, recording: Path) -> tuple[PlayReport, dict[str, Any]]:
     """Play the script in real time, a viewer without a window watching; both reports."""
-    with ServerProcess(recording=recording) as server:
+    names = [human.name for human in read_script(script).humans]
+    with ServerProcess(lockstep=names, recording=recording) as server:
         viewer = _watch(server.address)
         try:
-            report = play_script(script, PlaySetup(server=server.address, workspace=root, stay=True))
+            report = play_script(script, PlaySetup(server=server.address, workspace=root, stay=True, waits=True))
         finally:
             live = _end(viewer)
     return report, live

@@ -29,6 +29,7 @@ class PlaySetup:
     """How a script is played; without `server` it gets one of its own, which alone can record.
 
     `stay`: the bodies stay when it is over, as they do on a server of its own: its recording ends with them.
+    `waits`: the server that is named runs in lockstep.
     """
 
     fast: bool = False
@@ -38,6 +39,12 @@ class PlaySetup:
     keys: Path | None = None
     workspace: Path | None = None
     stay: bool = False
+    waits: bool = False
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether the server waits for all mains each frame."""
+        return self.fast or self.waits or self.record is not None
 
 
 @dataclass
@@ -73,7 +80,14 @@ def running_server(setup: PlaySetup, names: tuple[str, ...]) -> Generator[str]:
         return
     with tempfile.TemporaryDirectory(prefix="ahmss-") as directory:
         log = Path(directory) / "server.log"
-        with ServerProcess(lockstep=names if setup.fast else (), recording=setup.record, log=log) as server:
+        # A recording misses no frame: the server waits for each main, also where a clock sets the pace.
+        lockstep = names if setup.lockstep else ()
+        with ServerProcess(
+            f"ipc://{directory}/world" if setup.fast else "127.0.0.1:0",
+            lockstep=lockstep,
+            recording=setup.record,
+            log=log,
+        ) as server:
             yield server.address
         for line in log.read_text(errors="replace").splitlines():
             if "can't be written" in line or "recording" in line:
@@ -105,7 +119,7 @@ def _start(script: Script, human: Human, setup: PlaySetup, address: str, group: 
     """One human's main process."""
     command = [sys.executable, "-m", "ahmss", "main", "--server", address, "--human", human.name, "--json"]
     command += ["--script", str(script.path), "--group", group, "--seed", str(setup.seed)]
-    command += ["--fast"] if setup.fast else []
+    command += ["--fast"] if setup.fast else ["--lockstep"] if setup.lockstep else []
     command += ["--stay"] if setup.stay or not setup.server else []
     for option, value in (("--workspace", setup.workspace), ("--keys", setup.keys)):
         command += [option, str(value)] if value else []

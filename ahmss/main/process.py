@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ahmss.algorithm.launcher import Launcher
@@ -27,13 +27,18 @@ from ahmss.world.keys import ClientKeys
 __all__ = ["MainProcess", "Report", "Setup"]
 
 _FAST_PATIENCE = 10.0  # seconds that `--fast` waits for a frame
+_LOCKSTEP_PATIENCE = 0.5  # seconds that lockstep with a clock does
 _SHARE = 0.5  # of a frame's time that real time waits for a frame
 _REST = 60  # frames after the script in which the body comes to rest
 
 
 @dataclass(frozen=True)
 class Setup:
-    """What a main is started with. `names` are all humans of the script, `group` its run; degrees and metres."""
+    """What a main is started with. `names` are all humans of the script, `group` its run; degrees and metres.
+
+    lockstep: the server waits for every main each frame, and a motion that is late is waited for; so no frame is lost.
+    fast: lockstep without a clock.
+    """
 
     human: str
     body: str = ""
@@ -42,6 +47,7 @@ class Setup:
     server: str = ""
     workspace: Path | None = None
     fast: bool = False
+    lockstep: bool = False
     seed: int = 0
     rate: float = 60.0
     group: str = ""
@@ -77,14 +83,15 @@ class MainProcess:
     """
 
     def __init__(self, setup: Setup, say: Callable[[str], None]) -> None:
+        setup = replace(setup, lockstep=setup.lockstep or setup.fast)
         self.setup, self._say = setup, say
         self.workspace = Workspace.find(setup.workspace)
         self.database = Database(self.workspace)
         model = self.database.human(setup.body)
         rotations, root = standing(model, setup.place, setup.facing_deg)
         deadlines = Deadlines(frame=_FAST_PATIENCE) if setup.fast else Deadlines()
-        self._client = WorldClient(setup.server, keys=setup.keys, follow=not setup.fast)
-        self.communication = Communication(self._client, setup.human, fast=setup.fast)
+        self._client = WorldClient(setup.server, keys=setup.keys, follow=not setup.lockstep)
+        self.communication = Communication(self._client, setup.human, lockstep=setup.lockstep, fast=setup.fast)
         try:
             shape = self.workspace.humans.shape(model.name)
             self.communication.join(model.name, model.skeleton, shape, root, rotations, setup.group or setup.human)
@@ -100,6 +107,9 @@ class MainProcess:
         self.layout = Layout(self.workspace, self.communication, self.trouble)
         self.pace = Pace(setup.rate, fast=setup.fast)
         self.report = Report(setup.human)
+        self._patience = _SHARE * self.pace.period
+        if setup.lockstep:
+            self._patience = _FAST_PATIENCE + 1.0 if setup.fast else _LOCKSTEP_PATIENCE
         self.control.see(self.blending)
 
     @property
@@ -110,22 +120,21 @@ class MainProcess:
 
     def frame(self) -> None:
         """One frame: the command part's next line, then the motions, the blend, the objects, the world."""
-        patience = _FAST_PATIENCE + 1.0 if self.setup.fast else _SHARE * self.pace.period
         if self.agenda.asks_the_world or self.control.starts:
-            self.communication.update()
+            self.communication.update(complete=True)
         self._listen()
         self.agenda.step()
         self.control.start_due(self.actor)
-        self.control.collect_humans(patience)
+        self.control.collect_humans(self._patience)
         self.blending.step(self.control.contributions)
         self.control.ask_objects(self.blending)
         self.control.ask_humans()
-        self.communication.update()  # while they compute
-        moved = self.control.collect_objects(self.blending, patience)
+        self.communication.update(complete=False)  # while they compute
+        moved = self.control.collect_objects(self.blending, self._patience)
         self.communication.publish(self.blending.root, self.blending.rotations, moved)
         self.control.end_finished()
         self.report.frames += 1
-        if not self.setup.fast:  # lockstep knows no clock, and files change by the clock
+        if not self.setup.lockstep:  # files change by the clock, and lockstep is to be the same at each run
             self.layout.follow(self.report.frames)
 
     def run(self, over: Callable[[], bool]) -> Report:
@@ -164,11 +173,11 @@ class MainProcess:
         try:
             self.frame()
         except AhmssError as error:
-            if self.setup.fast:
+            if self.setup.lockstep:
                 raise
             self._survive(str(error))
         except Exception as error:
-            if self.setup.fast:
+            if self.setup.lockstep:
                 raise
             self._survive(f"a fault of the program itself: {type(error).__name__}: {error}")
 

@@ -18,7 +18,8 @@ __all__ = ["start_main"]
 
 def start_main(
     human: str, body: str, place: tuple[float, float], facing_deg: float, server: str, keys: Path | None,
-    script: Path | None, group: str, workspace: Path | None, *, fast: bool, seed: int, stay: bool, as_json: bool,
+    script: Path | None, group: str, workspace: Path | None, *, fast: bool, lockstep: bool, seed: int,
+    stay: bool, as_json: bool,
 ) -> int:  # fmt: skip
     """Run one main to its end; returns how many things went wrong.
 
@@ -31,7 +32,7 @@ def start_main(
 
         client_keys = read_client(keys)
     setup = Setup(
-        human, body, place, facing_deg, server, workspace, fast=fast, seed=seed, group=group, keys=client_keys
+        human, body, place, facing_deg, server, workspace, fast, lockstep, seed, group=group, keys=client_keys
     )  # fmt: skip
     if script is None:
         from ahmss.main.console import run_console

@@ -203,7 +203,7 @@ def test_nobody_takes_what_somebody_else_holds(server: Start, join: Join) -> Non
     assert len(aiko.report.messages) == 1
     assert aiko.report.messages[0].startswith("b take: ")
     assert "ken" in aiko.report.messages[0]
-    assert aiko.communication.update().objects["b"].holder == "ken"
+    assert aiko.communication.update(complete=True).objects["b"].holder == "ken"
 
 
 def test_a_motion_that_is_stopped_leaves_the_body_where_it_is(server: Start, join: Join) -> None:
