@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from manifold3d import Manifold
+from scipy.interpolate import PchipInterpolator
 
 from ahmss.body.array import Array
 from humans.body import Stencil, prism
@@ -17,8 +18,6 @@ _MIDDLE = 3.15  # of the opening, centimetres from the nose's plane
 
 def _arc(points: list[tuple[float, float]], count: int = 9) -> Array:
     """A smooth curve through a few drawn points (n, 2)."""
-    from scipy.interpolate import PchipInterpolator
-
     table = np.array(points)
     t = np.linspace(0.0, 1.0, len(table))
     s = np.linspace(0.0, 1.0, count)

@@ -9,6 +9,7 @@ import numpy as np
 from manifold3d import Manifold, Mesh
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 from skimage.measure import marching_cubes
 
 from ahmss.body.array import Array
@@ -88,8 +89,6 @@ def _sample(field: Field, low: Array, counts: NDArray[np.intp], cell: float, axe
 
 def _largest(triangles: Faces, count: int) -> Faces:
     """The faces of the largest connected piece."""
-    from scipy.sparse.csgraph import connected_components
-
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]]])
     graph = csr_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
     _, label = connected_components(graph, directed=False)

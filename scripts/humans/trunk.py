@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ahmss.body.array import Array
@@ -53,7 +55,7 @@ def _shoulder(figure: Figure, thickness: float) -> Field:
 def shirt(figure: Figure) -> Field:
     """Trunk and sleeves down to the waist."""
     thickness = 0.006
-    body = trunk_loft(figure, thickness, _WAIST - 0.035)
+    body = trunk_loft(figure, thickness, _WAIST - 0.012)  # ends under the belt
     shoulder = _shoulder(figure, thickness)
     if figure.long_sleeves:
         sleeve = bare_arm(figure, thickness + 0.002, 0.03, 1.02)
@@ -69,7 +71,7 @@ def shirt(figure: Figure) -> Field:
     return _neckline(figure, _both(half))
 
 
-def _chest(figure: Figure, thickness: float):
+def _chest(figure: Figure, thickness: float) -> Callable[[Array, Array], Array]:
     """The breast's or the chest muscle's addition to a trunk's distance."""
     h = figure.height
     if figure.female:
@@ -125,8 +127,8 @@ def trousers(figure: Figure) -> Field:
         (0.5, 5.6, 5.2, 7.2, 0.0),
         (0.75, 5.1, 5.0, 6.3, 0.0), (0.95, 5.2, 5.4, 6.2, 0.0), (1.10, 5.3, 5.7, 6.3, 0.0),
     )), 2.15)  # fmt: skip
-    seat = ellipsoid(hip + np.array([-0.030, 0.004, -0.010]) * h,
-                     np.array([0.048, 0.046, 0.052]) * h + 0.004)  # fmt: skip
+    back = -0.030 if figure.female else -0.023
+    seat = ellipsoid(hip + np.array([back, 0.004, -0.010]) * h, np.array([0.048, 0.046, 0.052]) * h + 0.004)
 
     limb = bend(thigh, shank, knee, ankle - hip, 0.045)
 
