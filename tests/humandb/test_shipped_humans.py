@@ -13,8 +13,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX, LINKS
-from ahmss.body.quaternion import from_rotation_vector, multiply, rotate
+from ahmss.body.links import INDEX, LINKS, fingers
+from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.workspace import Workspace
 from humandb.conftest import ROOT, Shipped
@@ -125,6 +125,23 @@ def test_the_grip_lies_on_the_palms_skin(human: Shipped, row: int) -> None:
     out = rotate(multiply(world[hand], human.skeleton.grips[row, 3:]), np.array([1.0, 0.0, 0.0]))
     heights = _hits(grip + 0.05 * out, -out, human.posed(rotations, root), human.surface.faces)
     assert np.abs(0.05 - heights).min() < 0.002
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_finger_radii_are_those_of_the_skin(human: Shipped, side: str) -> None:
+    rotations, root = human.skeleton.upright()
+    places, world = forward(rotations, root, human.skeleton.offsets)
+    skin = human.posed(rotations, root)
+    off: dict[str, float] = {}
+    for link in fingers(side):
+        share = np.where(human.skin.joints == link, human.skin.weights, 0).sum(axis=1)
+        local = rotate(conjugate(world[link]), skin[share > 128] - places[link])
+        along = local[:, 0] / human.skeleton.tips[link, 0]
+        middle = np.hypot(local[:, 1], local[:, 2])[(along > 0.15) & (along < 0.85)]
+        if len(middle) >= 4:
+            off[LINKS[link]] = float(middle.mean() - human.skeleton.radii[link])
+    assert len(off) >= 10
+    assert max(abs(error) for error in off.values()) < 0.0015, off
 
 
 def test_eyes_look_out_of_the_face(human: Shipped) -> None:
