@@ -242,3 +242,14 @@ def test_the_first_target_ever_starts_without_a_velocity():
     assert np.linalg.norm(seen[0] - hand[:3]) < 1e-3
     assert pop(out) < 1.5
     assert np.linalg.norm(seen - hand[:3], axis=-1).max() < 0.16
+
+
+def test_a_gaze_that_goes_on_to_the_same_place_goes_on():
+    """The next motion looks at the same thing while the head is still turning there: as if nothing had changed."""
+    pose, root = SKELETON.upright()
+    left, cup = scene((GAZE, (2.0, 1.5, 1.4), None)), scene((GAZE, (0.5, -0.3, 1.0), None))
+    before = [(left, FREE_END)] + [(left, NO_END)] * 60 + [(cup, FREE_END)] + [(cup, NO_END)] * 14
+    after = [(cup, NO_END)] * 60
+    once = run_targets(pose, root, before + after)
+    again = run_targets(pose, root, before + [(cup, FREE_END)] + after[1:])
+    assert np.allclose(again, once, atol=1e-12)
