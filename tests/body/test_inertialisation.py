@@ -251,5 +251,5 @@ def test_a_gaze_that_goes_on_to_the_same_place_goes_on():
     before = [(left, FREE_END)] + [(left, NO_END)] * 60 + [(cup, FREE_END)] + [(cup, NO_END)] * 14
     after = [(cup, NO_END)] * 60
     once = run_targets(pose, root, before + after)
-    again = run_targets(pose, root, before + [(cup, FREE_END)] + after[1:])
+    again = run_targets(pose, root, [*before, (cup, FREE_END), *after[1:]])
     assert np.allclose(again, once, atol=1e-12)
