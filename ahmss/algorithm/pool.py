@@ -34,6 +34,8 @@ __all__ = ["main"]
 _LISTENER = 3
 _READY = 8  # workers forked ahead
 _LOOK = 2.0  # seconds between looks at whether the pool is still wanted
+_FEW = 2  # waiting workers below which the pool forks at once; else it leaves the processor to those that start
+_PAUSE = 0.02  # seconds without a request after which it forks, and learns what the requests named
 _QUIET = 0.1  # seconds without a request after which old workers are replaced by ones that know more
 _GRACE = 1.0  # seconds that a worker may outlive its main
 _HEAVY = ("ahmss.motion.resample",)  # it brings scipy
@@ -65,6 +67,7 @@ class _Pool:
         self._workers: set[_Worker] = set()
         self._knowledge = 0
         self._deaths = 0
+        self._heard: list[bytes] = []  # requests that are still to be learned from
         self._last_request = self._last_used = time.monotonic()
         self._poll = select.epoll()
         self._actions: dict[int, Callable[[], None]] = {}
@@ -75,13 +78,15 @@ class _Pool:
         self._fill()
         self._read_ahead()
         while self._deaths < _DEATHS:
-            self._fill()
             for descriptor, _ in self._poll.poll(self._patience()):
                 action = self._actions.get(descriptor)
                 if action is not None:
                     action()
             now = time.monotonic()
             self._end_orphans(now)
+            if now - self._last_request > _PAUSE or len(self._waiting()) < _FEW:
+                self._learn()
+                self._fill()
             if now - self._last_request > _QUIET:
                 self._retire_ignorant()
             if now > next_look:
@@ -99,6 +104,8 @@ class _Pool:
 
     def _patience(self) -> float:
         """Seconds until something may be due."""
+        if self._heard or len(self._waiting()) < _READY:
+            return _PAUSE
         if any(w.orphaned is not None for w in self._workers) or self._ignorant():
             return _QUIET
         return min(_LOOK, self._linger)
@@ -147,8 +154,14 @@ class _Pool:
         self._watch(member.main.fileno(), lambda: self._orphan(member))
         self._last_request = time.monotonic()
         self._deaths = 0
-        self._fill()
-        if ahead.learn(msgspec.json.decode(data, type=Request)):
+        self._heard.append(data)
+
+    def _learn(self) -> None:
+        """Take in what the requests named, for the workers to come."""
+        news = False
+        while self._heard:
+            news |= ahead.learn(msgspec.json.decode(self._heard.pop(), type=Request))
+        if news:
             self._knowledge += 1
             gc.freeze()
 

@@ -26,20 +26,30 @@ from ahmss.algorithm.messages import (
     encode_start,
 )
 from ahmss.algorithm.performance import Function
+from ahmss.algorithm.place import Transform
 from ahmss.algorithm.pose import HumanPose
+from ahmss.algorithm.staging import face, mirrored, part, stage
 from ahmss.algorithm.task import HumanTask
+from ahmss.body import quaternion
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.clip import Clip
 
 __all__ = ["rehearse"]
 
 _FRAMES = 3
 _SKELETON = Skeleton.of()
+_UPRIGHT = _SKELETON.upright()
+_CLIP = Clip(
+    rotations=np.tile(_UPRIGHT[0], (_FRAMES + 1, 1, 1)), root=np.tile(_UPRIGHT[1], (_FRAMES + 1, 1)),
+    importance=np.ones((_FRAMES + 1, 44)), contacts=np.ones((_FRAMES + 1, 2)), rate=60.0,
+    targets=np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], (_FRAMES + 1, 5, 1)),
+)  # fmt: skip
 
 
 def _messages() -> bytes:
     """What main would send."""
-    rotations, root = _SKELETON.upright()
+    rotations, root = _UPRIGHT
     sites = {"top": SiteRecord((0.0, 0.0, 0.0))}
     thing = ObjectRecord(1, "thing", "thing", (1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0), sites)
     start = Start(
@@ -55,8 +65,8 @@ _REQUEST = msgspec.json.encode(Request(("nobody.py",), "/"))
 
 
 def rehearse() -> None:
-    """Play the motion, once as single poses and once as a block, over pipes of its own."""
-    for function in (_single, _block):
+    """Play the motion in each of the ways that algorithms make theirs, over pipes of its own."""
+    for function in (_single, _block, _staged):
         _play(function)
     msgspec.json.decode(_REQUEST, type=Request)
     cache.touch()
@@ -81,6 +91,21 @@ def _single(task: HumanTask) -> Iterator[HumanPose]:
 
 
 def _block(task: HumanTask) -> Array:
-    """A motion made at once."""
-    rotations, root = task.start.rotations, task.start.root
-    return task.block(np.tile(rotations, (task.length, 1, 1)), np.tile(root, (task.length, 1)))
+    """A motion made at once, by interpolation."""
+    way = np.linspace(0.0, 1.0, task.length)
+    rotations = quaternion.slerp(np.tile(task.start.rotations, (task.length, 1, 1)), _UPRIGHT[0], way[:, None])
+    return task.block(rotations, task.start.root + way[:, None] * np.array([1.0, 0.0, 0.0]))
+
+
+def _staged(task: HumanTask) -> Iterator[Array]:
+    """A clip brought to where the human and the object are, its first frame first."""
+    clip = mirrored(mirrored(_CLIP))
+    for first, end in ((0, 2), (1, _CLIP.frames)):
+        staged = stage(task, part(clip, first, end))
+        targets = np.zeros((staged.clip.frames, 5, 8))
+        if staged.base is not None:
+            local = Transform.of(staged.local[:, 0])
+            given = staged.local[:, 0, 3:7].any(axis=1, keepdims=True)
+            targets[:, 0, :7] = np.where(given, staged.base.then(local).row(), 0.0)
+        targets[:, 4, :3] = face(task, staged.rotations, staged.root).place
+        yield task.block(staged.rotations[1:], staged.root[1:], staged.clip.importance[1:], targets[1:])

@@ -12,7 +12,6 @@ import signal
 import socket
 import sys
 import types
-from pathlib import Path
 from typing import NoReturn
 
 import msgspec
@@ -36,7 +35,7 @@ def become(argv: tuple[str, ...], directory: str) -> NoReturn:
     try:
         os.chdir(directory)
         sys.argv = list(argv)
-        sys.path[0] = str(Path(script).parent)
+        sys.path[0] = os.path.dirname(script)
         program = types.ModuleType("__main__")
         program.__file__ = script
         sys.modules["__main__"] = program
