@@ -12,7 +12,9 @@ from pathlib import Path
 from ahmss.errors import AhmssError
 from ahmss.world.address import parse
 from ahmss.world.keys import read_server
-from ahmss.world.server import Server, Settings
+from ahmss.world.lockstep import LockstepServer
+from ahmss.world.realtime import RealTimeServer
+from ahmss.world.server import Settings
 
 __all__ = ["main"]
 
@@ -30,13 +32,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--grace", type=float, default=10.0, help="seconds until its human leaves")
     given = parser.parse_args(arguments)
     try:
-        server = Server(
-            Settings(
-                parse(given.address), given.rate, tuple(filter(None, given.lockstep.split(","))), given.directory,
-                given.record, read_server(given.keys) if given.keys else None, given.lease, given.grace,
-            ),
-            lambda line: print(line, file=sys.stderr, flush=True),
+        settings = Settings(
+            parse(given.address), given.rate, tuple(filter(None, given.lockstep.split(","))), given.directory,
+            given.record, read_server(given.keys) if given.keys else None, given.lease, given.grace,
         )  # fmt: skip
+        kind = LockstepServer if settings.lockstep else RealTimeServer
+        server = kind(settings, lambda line: print(line, file=sys.stderr, flush=True))
     except AhmssError as error:
         print(error, file=sys.stderr)
         return 1
@@ -44,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))  # a connection is a file; the usual 1024 are few
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: server.stop())
-    print(json.dumps({"address": str(server.address)}), flush=True)
+    print(json.dumps({"address": str(server.sockets.address)}), flush=True)
     try:
         server.run()
     finally:

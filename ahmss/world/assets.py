@@ -56,9 +56,12 @@ class Assets:
         self.size(name)
         if name in self._kept or self._directory is None:
             return self._kept[name][offset : offset + length]
-        with (self._directory / name).open("rb") as file:
-            file.seek(offset)
-            return file.read(length)
+        try:
+            with (self._directory / name).open("rb") as file:
+                file.seek(offset)
+                return file.read(length)
+        except OSError as error:
+            raise WorldError(f"the server can't read asset {name[:12]}: {error.strerror}; send it again") from error
 
     def put(self, sender: bytes, name: str, size: int, offset: int, data: bytes) -> int:
         """Take a part; how many bytes of it are here now (all of them, where it was known). WorldError: refused."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
+from ahmss.errors import ProtocolError
 from ahmss.world.schema import Request
 
 __all__ = ["Barrier"]
@@ -55,13 +56,12 @@ class Barrier:
         self._names[owner] = name
         self._owners[name] = owner
 
-    def push(self, owner: bytes, entry: bytes | Request) -> bool:
-        """The next thing that a main says: a frame's bytes or a request. False: it says far too much."""
+    def push(self, owner: bytes, entry: bytes | Request) -> None:
+        """The next thing that a main says: a frame's bytes or a request. ProtocolError: it says far too much."""
         queue = self._queues[self._names[owner]]
         if len(queue) >= _LONGEST_QUEUE:
-            return False
+            raise ProtocolError("world protocol: far more is sent than lockstep takes; wait for the ticks")
         queue.append(entry)
-        return True
 
     def leave(self, owner: bytes) -> list[bytes | Request]:
         """The main takes no more part; what it had said beyond."""

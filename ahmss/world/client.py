@@ -384,7 +384,7 @@ class WorldClient:
             own.id = reply.id
             for name in reply.lost:
                 own.holds.pop(name, None)
-                self._note(f'{request.name} no longer holds {name}: somebody else does, or it is gone')
+                self._note(f"{request.name} no longer holds {name}: somebody else does, or it is gone")
         elif isinstance(reply, schema.Done):
             self._remember(request)
 

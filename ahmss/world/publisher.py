@@ -15,7 +15,7 @@ from ahmss.world.space import Space
 
 __all__ = ["Publisher"]
 
-_GATHER_S = 0.002
+_GATHER_S = 0.001
 _BYTES_A_SECOND = 40e6
 _FLUSH_S = 1.0
 
@@ -23,7 +23,7 @@ _FLUSH_S = 1.0
 class Publisher:
     """Publishes the world: at each tick, and between ticks soon after something came in.
 
-    A frame is not kept back for the tick: it goes out at once when every human has delivered, else 2 ms after the first
+    A frame is not kept back for the tick: it goes out at once when every human has delivered, else 1 ms after the first
     one came, so that a viewer sees it early whatever the phase of its main. Large worlds are sent less often, so that
     a subscriber gets no more than 40 MB/s, and at least once a tick.
     """

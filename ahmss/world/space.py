@@ -208,4 +208,3 @@ class Space:
 def _change(thing: Thing) -> ObjectChange:
     """What of it may differ from its record."""
     return ObjectChange(thing.id, dict(thing.states), thing.holder, thing.hand, thing.attached, thing.moved)
-

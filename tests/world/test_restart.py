@@ -69,9 +69,12 @@ def test_mains_and_viewers_come_back_by_themselves_with_what_they_hold(start, co
         ken.publish("ken", frame, ROOT + 7, ROTATIONS, row(cup.id, (frame, 1, 1)))
         ken.poll()
         world = viewer.poll()
-        return "ken" in world.humans and len(world.human_ids) and world.human("ken")[0][0] == 7 and world.objects[
-            "cup"
-        ].holder == "ken"
+        return (
+            "ken" in world.humans
+            and len(world.human_ids)
+            and world.human("ken")[0][0] == 7
+            and world.objects["cup"].holder == "ken"
+        )
 
     eventually(goes_on)
     assert viewer.world.objects["cup"].hand == "left"
