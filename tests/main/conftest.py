@@ -193,9 +193,8 @@ def write_peer(workspace: Path, how: str) -> None:
         file.write(f'\n[affordances.{how}]\nhuman_algorithm = "{how}"\n')
 
 
-@pytest.fixture
-def workspace(tmp_path: Path) -> Path:
-    root = tmp_path / "workspace"
+def make_workspace(root: Path) -> Path:
+    """The box, the humans and the small algorithms in a folder."""
     box = root / "objectdb" / "box"
     box.mkdir(parents=True)
     (box / "object.toml").write_text(OBJECT)
@@ -204,6 +203,11 @@ def workspace(tmp_path: Path) -> Path:
     for name, (kind, parameters, code) in ALGORITHMS.items():
         write_algorithm(root, name, kind, parameters, code)
     return root
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    return make_workspace(tmp_path / "workspace")
 
 
 @pytest.fixture(scope="session")
