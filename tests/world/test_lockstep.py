@@ -11,6 +11,7 @@ from ground import ROOT, ROTATIONS, eventually, join, row
 
 from ahmss.world import schema
 from ahmss.world.recording import Reader
+from ahmss.world.view import World
 
 FRAMES = 60
 MAIN = Path(__file__).with_name("lockstep_main.py")
@@ -113,3 +114,23 @@ def test_humans_meet_at_a_line_and_a_human_that_left_is_not_waited_for(start, co
     assert not second.done
     eve.leave("eve")
     eventually(lambda: (aiko.poll(), ken.poll(), first.done and second.done)[-1])
+
+
+def test_a_main_alone_runs_ahead_and_its_requests_keep_their_place(start, connect, tmp_path):
+    server = start(lockstep=("ken",), recording=tmp_path / "run")
+    with connect(server, follow=False) as ken:
+        join(ken, "ken")
+        (cup,) = ken.add([schema.NewObject("cup", "cup")])
+        ken.refresh()
+        for k in range(1, 101):
+            if k == 51:
+                ken.claim("ken", ["cup"])
+            ken.publish("ken", k, ROOT, ROTATIONS, row(cup.id, (k, 0, 0)) if k > 50 else None)
+            ken.collect(behind=1)
+        assert ken.collect().tick == 100
+        ken.leave("ken")
+    server.stop()
+    with Reader(tmp_path / "run") as reader:
+        held = [reader.show(tick, World()).objects["cup"].holder == "ken" for tick in range(100)]
+        assert held == [False] * 50 + [True] * 50
+        assert [reader.snapshot(tick).tick for tick in range(100)] == list(range(1, 101))
