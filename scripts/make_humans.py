@@ -1,6 +1,6 @@
 """Make the shipped humans: humandb/<name>/human.toml and shape.glb. Needs the packages of the extra `make`.
 
-    python scripts/make_humans.py [NAME ...]
+python scripts/make_humans.py [NAME ...]
 """
 
 from __future__ import annotations

@@ -92,9 +92,7 @@ def _head(figure: Figure, painting: Painting) -> Manifold:
     return solid + painting.part(face.eyeballs(figure), "white", ball)
 
 
-def _split(
-    figure: Figure, body: Body, fields: list[Field | None], joints: NDArray[np.uint8], shares: Array
-) -> Skinned:
+def _split(figure: Figure, body: Body, fields: list[Field | None], joints: NDArray[np.uint8], shares: Array) -> Skinned:
     """Points become vertices, one for each part and colour that meets in them; normals come from the parts' fields."""
     names = sorted(set(body.colour))
     colour = np.array([names.index(name) for name in body.colour])
