@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ahmss_viewer.camera import View, look_at, project
 from ahmss_viewer.figure import plain_figure
-from ahmss_viewer.framing import Follower, best_view, fit, interest, preset
+from ahmss_viewer.framing import Follower, best_view, fit, interest, preset, without_hidden
 from ahmss_viewer.glb import read_glb
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
@@ -92,3 +92,15 @@ def test_without_a_name_the_view_rests_until_somebody_leaves_it(stage: Stage) ->
     share = project(now.points, view, SIZE)[:, :2] / SIZE
     assert share.min() > 0.0
     assert share.max() < 1.0
+
+
+def test_what_a_table_hides_need_not_fit_into_a_tile_but_heads_and_hands_must(stage: Stage, painter: Painter) -> None:
+    wanted = interest(stage)
+    assert wanted is not None
+    view = fit(View(azimuth=0.0, elevation=0.1), wanted.points, ASPECT)
+    assert without_hidden(stage, painter, wanted, view, ASPECT, [wanted])[:, 2].min() < 0.2
+    counter = read_glb(box_glb((0.1, 4.0, 0.8), WHITE))
+    stage.add_object(5, "counter", counter, np.array([0.9, 0.0, 0.4]), UNTURNED)
+    points = without_hidden(stage, painter, wanted, view, ASPECT, [wanted])
+    assert points[:, 2].min() > 0.5
+    assert points[:, 2].max() == wanted.points[:, 2].max()

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
@@ -14,13 +15,14 @@ from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Actor, Stage, Thing
 from ahmss_viewer.target import Target
 
-__all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset", "shape_of"]
+__all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset", "shape_of", "without_hidden"]
 
 _SIDES = (40, -40, 60, -60, 22, -22, 85, -85, 120, -120)  # degrees from straight in front
 _HEIGHTS = (14, 27)
 _SMALL = 96  # pixels high
 _NEAR_COST, _SIDE_COST, _HEIGHT_COST = 0.8, 0.45, 0.1
 _INSIDE = 0.14  # metres: a joint lies about so deep under the skin
+_ALWAYS = 0.5  # what weighs more is in the picture whether it is hidden or not
 _REACH, _LARGE = 0.75, 1.8  # what is so near to a hand counts, unless it is so large
 _HANDS = (INDEX["right_hand"], INDEX["left_hand"])
 _PRESETS = {"front": (0, 8), "back": (180, 8), "right": (-90, 8), "left": (90, 8), "top": (0, 80), "close": (-40, 14)}
@@ -76,7 +78,7 @@ def _inner(thing: Thing) -> Array:
 
 def _body_weights() -> Array:
     """Of the 43 joints and the head's top: face and hands say most, a hand's 14 finger joints together as one."""
-    weight = {"head": 1.5, "upper_leg": 0.3, "lower_leg": 0.3, "foot": 0.3, "hand": 1.0, "arm": 0.7, "spine": 0.7}
+    weight = {"head": 1.5, "leg": 0.3, "foot": 0.3, "hand": 1.0, "arm": 0.7, "spine": 0.7}
     joints = [next((w for part, w in weight.items() if name.endswith(part)), 1.0 / 14.0) for name in LINKS]
     return np.array([*joints, 1.5])
 
@@ -159,16 +161,36 @@ def _facing(facing: Array, side: float, height: float) -> View:
     return View(azimuth=azimuth, elevation=float(np.radians(height)))
 
 
+def without_hidden(
+    stage: Stage, painter: Painter, wanted: Interest, view: View, aspect: float, moments: Iterable[Interest]
+) -> Array:
+    """What is to be seen of `wanted`, points (n, 3): heads, arms and hands, and of the rest what nothing hides."""
+    target = Target(round(_SMALL * aspect), _SMALL)
+    points = [wanted.points[wanted.weights > _ALWAYS]]
+    for moment in moments:
+        painter.draw_depth(stage, view, target)
+        points.append(moment.points[~_hidden(moment.points, view, target, target.read_depth())])
+    target.delete()
+    return np.concatenate(points)
+
+
+def _hidden(points: Array, view: View, target: Target, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Which of the points (n, 3) lie behind what was drawn."""
+    P = view.projection(target.drawn[0] / target.drawn[1])
+    metres = P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2])
+    seen = project(points, view, target.drawn)
+    column = np.clip(seen[:, 0].astype(int), 0, target.drawn[0] - 1)
+    row = np.clip(seen[:, 1].astype(int), 0, target.drawn[1] - 1)
+    return metres[row, column] < seen[:, 2] - _INSIDE
+
+
 def _faults(wanted: Interest, view: View, target: Target) -> float:
     """The share of what matters that something hides, and some of the share of the picture that stands too near."""
     depth = target.read_depth()
     P = view.projection(target.drawn[0] / target.drawn[1])
-    metres = P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2])
-    seen = project(wanted.points, view, target.drawn)
-    column = np.clip(seen[:, 0].astype(int), 0, target.drawn[0] - 1)
-    row = np.clip(seen[:, 1].astype(int), 0, target.drawn[1] - 1)
-    hidden = np.average(metres[row, column] < seen[:, 2] - _INSIDE, weights=wanted.weights)
-    return float(hidden + _NEAR_COST * np.mean(metres < 0.45 * view.distance))
+    near = P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2]) < 0.45 * view.distance
+    hidden = np.average(_hidden(wanted.points, view, target, depth), weights=wanted.weights)
+    return float(hidden + _NEAR_COST * near.mean())
 
 
 class Follower:

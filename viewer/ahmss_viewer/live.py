@@ -125,6 +125,7 @@ class _Watch:
         if fresh:
             self.pace.shown(self.source.age())
             self.report.draws.append(time.perf_counter() - begin)
+            self.report.faces = max(self.report.faces, stage.faces())
             self._tile()
             if self.progress is not None:
                 self.progress(self.pace.pictures, 0)
@@ -186,7 +187,6 @@ class _Watch:
             self.report.files.append(str(self.options.sheet))
         self.report.pictures, self.report.seconds = self.pace.pictures, self.pace.seconds
         self.report.ages = self.pace.ages
-        self.report.faces = self.studio.stage.faces()
         self.report.problems = self.mirror.problems
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ahmss.errors import CommandError, DataError
 from ahmss_viewer.aim import Aim
 from ahmss_viewer.camera import View
-from ahmss_viewer.framing import Interest, fit, interest, shape_of
+from ahmss_viewer.framing import Interest, fit, interest, shape_of, without_hidden
 from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.movie import Movie, check_writable
 from ahmss_viewer.options import ViewOptions, ViewReport
@@ -71,7 +71,8 @@ class _Run:
         wanted = self._survey()
         self._show(0)
         view = self.aim.begin(self.studio.stage, self.studio.painter, wanted, self._moments())
-        self._choose_tile(view, wanted)
+        if self.options.sheet is not None:
+            self._choose_tile(view, wanted)
         start = time.perf_counter()
         if self.options.record is not None or self.options.sheet is not None:
             self._film()
@@ -117,10 +118,13 @@ class _Run:
         free = options.camera == "auto" and not (options.follow or options.position or options.look_at)
         if wanted is None or not free:
             return
-        aspect = float(np.clip(shape_of(view, wanted.points), *_TILE_SHAPES))
+        stage, painter = self.studio.stage, self.studio.painter
+        wide = self.size[0] / self.size[1]
+        points = without_hidden(stage, painter, wanted, view, wide, self._moments())
+        aspect = float(np.clip(shape_of(view, points), *_TILE_SHAPES))
         height = np.sqrt(_TILE * _TILE * 9 / 16 / aspect)
         self.tile = (round(aspect * height), round(height))
-        self.tile_view = fit(view, wanted.points, self.tile[0] / self.tile[1], 0.9)
+        self.tile_view = fit(view, points, self.tile[0] / self.tile[1], 0.9)
 
     def _moments(self) -> Iterator[Interest]:
         """Some moments of the motion, each on the stage when it is given."""
