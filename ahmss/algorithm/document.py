@@ -1,6 +1,6 @@
 """The tables of docs/protocol.md, written from `messages`.
 
-    python -m ahmss.algorithm.document docs/protocol.md      # rewrites what stands between the markers
+`python -m ahmss.algorithm.document docs/protocol.md` rewrites what stands between the markers.
 """
 
 from __future__ import annotations

@@ -102,9 +102,7 @@ class Performance:
         return news
 
 
-def frames(
-    function: Function, start: Start, humans: Iterable[Array] | None = None
-) -> Iterator[HumanPose | ObjectPose]:
+def frames(function: Function, start: Start, humans: Iterable[Array] | None = None) -> Iterator[HumanPose | ObjectPose]:
     """Play a function without a process, as a test does.
 
     A human algorithm is asked for its N frames, each from the pose that it gave before; an object algorithm sees the

@@ -97,9 +97,7 @@ def mirrored(clip: Clip) -> Clip:
     if clip.targets is not None:
         targets = clip.targets[:, _SWAPPED_TARGETS] * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
     contacts = clip.contacts[:, ::-1]
-    return replace(
-        clip, rotations=rotations, root=root, importance=importance, contacts=contacts, targets=targets
-    )
+    return replace(clip, rotations=rotations, root=root, importance=importance, contacts=contacts, targets=targets)
 
 
 def face(task: HumanTask, rotations: Array, root: Array) -> Transform:

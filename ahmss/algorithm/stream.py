@@ -139,7 +139,6 @@ class Outbound:
         except BrokenPipeError:
             self._backlog.clear()  # its output will say how it ended
 
-
     def close(self) -> None:
         """Let the reader see the end; what was kept is lost."""
         self._backlog.clear()

@@ -194,6 +194,8 @@ class Task:
 class HumanTask(Task):
     """A motion of the human: N frames from the present pose to the goal.
 
+    For instance:
+
         def nod(task: HumanTask) -> Iterator[HumanPose]:
             for k in task.frames():
                 yield task.pose({"head": ...})
@@ -259,6 +261,8 @@ class HumanTask(Task):
 
 class ObjectTask(Task):
     """A motion of an object: at each frame of the human where the object is, until main stops it.
+
+    For instance:
 
         def follow(task: ObjectTask) -> Iterator[ObjectPose]:
             for human in task.frames():

@@ -1,6 +1,6 @@
 """A worker: the process that becomes a Python algorithm, forked ahead by the pool or, without one, started alone.
 
-    python -m ahmss.algorithm.worker nod.py
+`python -m ahmss.algorithm.worker nod.py` is the latter.
 """
 
 from __future__ import annotations

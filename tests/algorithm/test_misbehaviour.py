@@ -14,7 +14,7 @@ from ahmss.algorithm.process import Answer, Deadlines, Phase
 from ahmss.errors import AlgorithmError
 
 SENTENCES = {
-    "crashes": 'crashes at frame 30: it was killed by SIGABRT before its motion was over; '
+    "crashes": "crashes at frame 30: it was killed by SIGABRT before its motion was over; "
     'its log ends with "the reason is in this line"',
     "exits": "exits at frame 30: it ended with exit code 7 before its motion was over",
     "hangs": "hangs at frame 3: it gave no pose within 0.5 s",
