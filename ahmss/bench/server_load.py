@@ -32,6 +32,7 @@ __all__ = ["Load", "latency_ms", "most_humans", "tick_cost_us"]
 _RATE = 60.0
 _STEPS = (500, 1000, 1250, 1500, 2000)
 _DELIVERED = 0.98
+_QUIET = Path(os.devnull)  # that the load goes away at the end is no news
 
 
 class Load:
@@ -133,7 +134,7 @@ def most_humans(steps: Sequence[int] = _STEPS, seconds: float = 4.0) -> dict[str
 
 def latency_ms(humans: int = 100, seconds: float = 5.0) -> dict[str, float]:
     """Milliseconds from a pose sent to the world seen by a viewer: `p50`, `p99`, `worst`."""
-    with TemporaryDirectory() as place, ServerProcess() as server:
+    with TemporaryDirectory() as place, ServerProcess(log=_QUIET) as server:
         files = [Path(place) / name for name in ("sent.npy", "seen.npy")]
         viewer = _spawn("watch", server.address, str(seconds + 6), str(files[1]))
         load = _spawn("send", server.address, str(humans), str(seconds), "spread", str(files[0]))
@@ -155,7 +156,10 @@ def _load(count: int, seconds: float) -> dict[str, float]:
     """One number of humans against a server that has one core."""
     cores = sorted(os.sched_getaffinity(0))
     pin = ["taskset", "-c", str(cores[0])]
-    with ServerProcess(prefix=pin, lease_s=30.0) as server, WorldClient(server.address, follow=True) as client:
+    with (
+        ServerProcess(prefix=pin, lease_s=30.0, log=_QUIET) as server,
+        WorldClient(server.address, follow=True) as client,
+    ):
         before = client.stats()
         load = _spawn("send", server.address, str(count), str(seconds), "together", os.devnull, cores=cores[1:])
         limit = time.monotonic() + seconds + 120
@@ -168,7 +172,7 @@ def _load(count: int, seconds: float) -> dict[str, float]:
     loaded = stats.busy_ms[-int((seconds - 1) * _RATE) :]
     delivered = (stats.frames - before.frames) / (count * int(seconds * _RATE))
     median, p99 = np.percentile(loaded, (50, 99)).tolist()
-    return {"humans": float(count), "p99_ms": p99, "median_ms": median, "delivered": delivered}
+    return {"humans": count, "p99_ms": p99, "median_ms": median, "delivered": delivered}
 
 
 def _delays(sent: Array, seen: Array) -> Array:
