@@ -43,7 +43,12 @@ class LiveFeed:
 
     def lines(self) -> list[str]:
         """What the overlay says of it."""
-        return [f"no news from {self.name}; this is the last that was seen"] if self.silent else []
+        if not self.silent:
+            return []
+        seconds = self._source.silence()
+        if self.world.revision < 0:
+            return [f"no server answers at {self.name} yet"]
+        return [f"no news from {self.name} for {seconds:.0f} s; this is the last that was seen"]
 
 
 class ReplayFeed:

@@ -63,7 +63,11 @@ class Live:
     @property
     def silent(self) -> bool:
         """No world has come for a while."""
-        return time.monotonic() - self._heard > _SILENCE_S
+        return self.silence() > _SILENCE_S
+
+    def silence(self) -> float:
+        """Seconds since the newest world came."""
+        return time.monotonic() - self._heard
 
     def age(self) -> float:
         """Seconds since the shown world was made, by the clocks of both machines."""
