@@ -149,6 +149,22 @@ def test_places_keep_their_velocity_exactly_where_the_source_does():
     assert np.allclose(out[-1], values[-1] + 0.5)
 
 
+def test_an_offset_and_a_velocity_decay_along_quintics_that_start_and_end_at_rest():
+    """Seen through a source that jumps by 1 m, and one that stops from 0.01 m a frame."""
+    for jump, speed in ((1.0, 0.0), (0.0, 0.01)):
+        channel = Places(1, RATE, 0.5)
+        channel.place(np.array([[-2.0 * speed, 0.0, 0.0]]))
+        channel.settle(np.array([[-speed, 0.0, 0.0]]))
+        out = []
+        for k in range(40):
+            out.append(channel.step(np.array([[-jump, 0.0, 0.0]]), np.array([k == 0])))
+            channel.settle(out[-1])
+        t = np.minimum(np.arange(40) / 30.0, 1.0)
+        stays = 1.0 - 10.0 * t**3 + 15.0 * t**4 - 6.0 * t**5
+        carried = 30.0 * (t - 6.0 * t**3 + 8.0 * t**4 - 3.0 * t**5)
+        assert np.allclose(np.array(out)[:, 0, 0], -jump + jump * stays + speed * carried, atol=1e-12)
+
+
 def test_without_a_place_the_first_source_is_the_present():
     channel = Rotations(1, RATE)
     first = turn(0.1, 0.2, 0.3)[None]

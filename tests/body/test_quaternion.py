@@ -232,3 +232,7 @@ def test_twist_is_the_turn_about_the_axis_that_is_left_when_the_swing_is_taken_o
         q = multiply(swing, from_axis_angle(np.array([1.0, 0.0, 0.0]), angle))
         for signed in (q, -q):
             assert c.twist(c.FLOATS, tuple(signed.tolist()), (1.0, 0.0, 0.0)) == pytest.approx(angle)
+    axis = np.array([2.0, -1.0, 2.0]) / 3.0
+    across = from_axis_angle(np.array([1.0, 2.0, 0.0]) / np.sqrt(5.0), 0.7)
+    q = multiply(across, from_axis_angle(axis, 0.9))
+    assert c.twist(c.FLOATS, tuple(q.tolist()), tuple(axis.tolist())) == pytest.approx(0.9)

@@ -37,6 +37,8 @@ def test_the_worst_joint_is_named():
 
 
 def test_less_than_half_a_second_is_not_judged():
+    assert joint_motion(about_y(np.arange(30) ** 2 * 0.1), RATE).acceleration_max == 0.0
+    assert joint_motion(about_y(np.arange(31) ** 2 * 0.001), RATE).acceleration_max > 0.0
     assert joint_motion(about_y(np.arange(20) ** 2 * 0.1), RATE).acceleration_max == 0.0
 
 
@@ -81,6 +83,7 @@ def test_a_contact_that_is_known_not_to_be_is_not_counted(skeleton):
     contacts[:, 0] = 0.0
     found = measure(np.repeat(pose[None], 60, 0), np.repeat(place[None], 60, 0), RATE, skeleton, contacts)
     assert len(found.support.drifts) == 3
+    assert len(found.support.slides) == 1
 
 
 def test_a_pivot_shows_where_the_slower_point_hides_it(skeleton):
