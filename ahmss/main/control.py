@@ -27,15 +27,16 @@ class Control:
 
     Args:
         say: is told in one line what went wrong; nothing here raises for a process.
+        actor: gives the human as it is now.
         seed: of the run; each motion gets one of its own from it.
     """
 
     def __init__(
         self, database: Database, communication: Communication, launcher: Launcher, say: Callable[[str], None],
-        *, rate: float, seed: int = 0,
+        actor: Callable[[], Actor], *, rate: float, seed: int = 0,
     ) -> None:  # fmt: skip
         self._database, self._communication, self._launcher, self._say = database, communication, launcher, say
-        self._rate, self._seed = rate, seed
+        self._actor, self._rate, self._seed = actor, rate, seed
         self._motions: list[Motion] = []
         self._movers: dict[str, Mover] = {}
         self._surroundings = Surroundings()
@@ -86,14 +87,15 @@ class Control:
 
     # A frame, in the order of the thesis
 
-    def start_due(self, actor: Actor) -> None:
+    def start_due(self) -> None:
         """Start the motions whose time has come, and ask them for their first frame."""
         for motion in list(self._motions):
             if motion.process is None and motion.countdown > 0:
                 motion.countdown -= 1
             elif motion.process is None:
-                self._start(motion, actor)
-        self._grant(actor)
+                self._start(motion)
+        if self._movers:
+            self._grant()
 
     def ask_humans(self) -> None:
         """Ask every human algorithm for its next frame."""
@@ -149,9 +151,9 @@ class Control:
 
     # Starting
 
-    def _start(self, motion: Motion, actor: Actor) -> None:
+    def _start(self, motion: Motion) -> None:
         """Check, claim and start one motion; where it can't be, say why."""
-        order, seen = motion.order, self._communication
+        order, seen, actor = motion.order, self._communication, self._actor()
         try:
             self._database.check(order, seen, actor)
             motion.mover = self._claim(order)
@@ -184,7 +186,7 @@ class Control:
         self._movers[order.object] = mover
         return mover
 
-    def _grant(self, actor: Actor) -> None:
+    def _grant(self) -> None:
         """Start the object algorithms whose claims are granted; a claim that was refused ends its motion."""
         for mover in list(self._movers.values()):
             claim = mover.claim
@@ -196,7 +198,7 @@ class Control:
                 entry = mover.order.object_algorithm
                 assert entry is not None
                 start = self._database.start(
-                    mover.order, "object", self._communication, actor, self._next_seed(), self._rate
+                    mover.order, "object", self._communication, self._actor(), self._next_seed(), self._rate
                 )
                 mover.granted = True
                 mover.process = self._launcher.start(entry, start)

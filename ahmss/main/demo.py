@@ -54,7 +54,7 @@ def run_demo(out: Path, workspace: Path | None, *, window: bool, say: Callable[[
     for path in (recording, film, sheet):
         if path.is_file():
             say(f"{path}  ({path.stat().st_size / 1e6:.1f} MB)")
-    say(_measured(recording, root))
+    say(_measured(recording))
     if window and has_display():
         say("close the window to end")
         subprocess.run([sys.executable, "-m", "ahmss", "view", str(recording)], check=False)
@@ -117,7 +117,7 @@ def _draw(recording: Path, film: Path, sheet: Path) -> None:
         raise DependencyError(reason)
 
 
-def _measured(recording: Path, root: Path) -> str:
+def _measured(recording: Path) -> str:
     """How smooth the recorded motion is."""
     from ahmss.main.judging import judge
 
@@ -125,5 +125,3 @@ def _measured(recording: Path, root: Path) -> str:
         return "\n".join(judge(recording))
     except AhmssError as error:
         return f"not measured: {error}"
-    finally:
-        del root

@@ -78,9 +78,11 @@ def _packages() -> Finding:
 
 def _headless() -> Finding:
     """Pictures without a display need EGL (with a driver) or OSMesa."""
-    libraries = [name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)]
-    text = f"by {' or '.join(libraries)}" if libraries else "neither EGL nor OSMesa is installed"
-    return Finding("pictures without a display", bool(libraries), text, _GL)
+    from ahmss_viewer.graphics import find_headless
+
+    found = find_headless()
+    names = {"egl": "by EGL", "osmesa": "by OSMesa", None: "neither EGL nor OSMesa works here"}
+    return Finding("pictures without a display", found is not None, names[found], _GL)
 
 
 def _film() -> Finding:

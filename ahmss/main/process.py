@@ -101,7 +101,7 @@ class MainProcess:
         self.blending = Blending(model.skeleton, rotations, root, setup.rate)
         self.control = Control(
             self.database, self.communication, Launcher(deadlines=deadlines, notice=say), self.trouble,
-            rate=setup.rate, seed=setup.seed,
+            lambda: self.actor, rate=setup.rate, seed=setup.seed,
         )  # fmt: skip
         self.agenda = Agenda(self, setup)
         self.layout = Layout(self.workspace, self.communication, self.trouble)
@@ -124,7 +124,7 @@ class MainProcess:
             self.communication.update(complete=True)
         self._listen()
         self.agenda.step()
-        self.control.start_due(self.actor)
+        self.control.start_due()
         self.control.collect_humans(self._patience)
         self.blending.step(self.control.contributions)
         self.control.ask_objects(self.blending)
