@@ -15,6 +15,8 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.staging import Staged, face, stage
 from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import normalize
 from ahmss.body.quaternion import slerp as interpolate
 from ahmss.errors import AlgorithmError
@@ -23,6 +25,7 @@ from ahmss.motion.easing import minimum_jerk
 
 HANDS = ("right", "left")
 GAZE = 4
+MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
 TURNED_BY = 0.75  # share of the time by which a hand has its orientation
 
 
@@ -41,6 +44,7 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
     staged = stage(task, clip if task.posture is None else _last(clip))
+    _check_reach(task, staged)
     frames = np.arange(1, task.length + 1)
     yield _block(task, staged, frames[:1])
     if task.length > 1:
@@ -122,19 +126,47 @@ def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) ->
         on_site = task.site.inverse().then(grip)
         wanted = [site.then(on_site) for site in wanted]
         if task.goal_place is not None:
-            wanted[-1] = _goal(task).then(task.object.frame.inverse().then(grip))
+            wanted[-1] = _goal(task, task.goal_place).then(task.object.frame.inverse().then(grip))
     elif task.goal_place is not None:
         rotation = wanted[-1].rotation if task.goal_rotation is None else task.goal_rotation
         wanted[-1] = Transform(np.broadcast_to(task.goal_place, (*rotation.shape[:-1], 3)), rotation)
     return wanted
 
 
-def _goal(task: HumanTask) -> Transform:
-    """Where the object shall stand: at the goal's place, upright, its own heading kept unless another is asked for."""
+def _goal(task: HumanTask, place: Array) -> Transform:
+    """Where the object shall stand: upright, its own heading kept unless another is asked for.
+
+    At the goal's place; on top of a goal object that has a top.
+    """
     assert task.object is not None
-    assert task.goal_place is not None
     upright = normalize(task.object.rotation * np.array([1.0, 0.0, 0.0, 1.0]))
-    return Transform(task.goal_place, upright if task.goal_rotation is None else task.goal_rotation)
+    onto = task.goal_object
+    if onto is not None and task.message.goal.place is None and "top" in onto.sites:
+        place = onto.site("top", task.start.root).place
+    return Transform(place, upright if task.goal_rotation is None else task.goal_rotation)
+
+
+def _check_reach(task: HumanTask, staged: Staged) -> None:
+    """Refuse what the arm is too short for in the clip's last pose, rather than stretch for it in the air.
+
+    Raises:
+        AlgorithmError: says by how much.
+    """
+    skeleton, last = task.human, staged.clip.frames - 1
+    base = staged.base
+    if staged.clip.header.targets == "face":
+        base = face(task, staged.rotations[last], staged.root[last])
+    for row, side in enumerate(HANDS):
+        if base is None or not staged.local[last, row, 7]:
+            continue
+        places, _ = forward(staged.rotations[last], staged.root[last], skeleton.offsets)
+        upper, lower, hand = (INDEX[f"{side}_{link}"] for link in ("upper_arm", "lower_arm", "hand"))
+        on_hand = Transform.of(skeleton.grips[row]).inverse()
+        wrist = _wanted_grips(task, staged, base, row)[last].then(on_hand).place
+        length = np.linalg.norm(skeleton.offsets[lower]) + np.linalg.norm(skeleton.offsets[hand])
+        missing = float(np.linalg.norm(wrist - places[upper]) - length)
+        if missing > MOST_MISSING:
+            raise AlgorithmError(f"the {side} arm is {missing:.2f} m too short for that from here; stand nearer to it")
 
 
 def _gaze(task: HumanTask, staged: Staged, course: Course, base: Transform) -> Array:

@@ -20,6 +20,7 @@ __all__ = ["STANDING", "Arm", "Fingers", "Posture", "centre_of_mass", "foot_fram
 
 _FOOT_APART = 0.056  # of stature, from the middle to each ankle
 _TOE_OUT = 6.0
+_BALANCED = 1e-5  # metres
 _SIDES = (("right", 1.0), ("left", -1.0))  # side and the sign of a turn about the links' x and z axes
 
 
@@ -137,6 +138,8 @@ def _balance(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture
     for _ in range(12):
         solved = _solved(skeleton, rotations, root, posture)
         error = wanted - centre_of_mass(skeleton, solved, root)[:2]
+        if np.abs(error).max() < _BALANCED:
+            return solved, root
         root = root + np.array([*error, 0.0])
     return _solved(skeleton, rotations, root, posture), root
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm import frames
+from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.messages import Goal
 from ahmss.algorithm.staging import lips
 from ahmss.body.inverse import GAZE, RIGHT_HAND
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import norm, rotate
+from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 
-from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program
+from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program, record
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])
@@ -49,7 +50,8 @@ def test_the_hand_takes_its_time_as_a_hand_does() -> None:
 def test_the_feet_stay_whatever_the_body_does() -> None:
     body = Body("aiko", x=1.0, y=-0.5, facing=70.0)
     before = feet(body.skeleton, body.rotations, body.root)
-    for pose in body.do("slerp", body.start(CUP, "reach", frame=frame_of(CUP))):
+    ahead = Transform(np.array([1.15, -0.09, 0.88]), np.array([1.0, 0.0, 0.0, 0.0]))
+    for pose in body.do("slerp", body.start(CUP, "reach", frame=ahead)):
         np.testing.assert_allclose(feet(body.skeleton, pose.rotations, pose.root), before, atol=2e-3)
 
 
@@ -103,6 +105,24 @@ def test_every_frame_is_a_pose() -> None:
         for pose in frames(program("slerp"), body.start(CUP, action, frames=7)):
             np.testing.assert_allclose(norm(pose.rotations), 1.0, atol=1e-9)
             assert np.isfinite(pose.targets).all()
+
+
+def test_a_cup_is_put_on_top_of_what_has_a_top() -> None:
+    body = Body()
+    body.do("slerp", body.start(CUP, "reach"))
+    in_palm = body.grip().inverse().then(frame_of(CUP))
+    near = Transform(np.array([0.40, -0.10, 0.05]), np.array([1.0, 0.0, 0.0, 0.0]))
+    table = record("room/table", near)
+    body.do("slerp", body.start(CUP, "put", frame=frame_of(CUP), goal=Goal(object=table)))
+    np.testing.assert_allclose(body.grip().then(in_palm).place, [0.40, -0.10, 0.93], atol=1e-3)
+
+
+@pytest.mark.parametrize(("action", "x"), [("reach", -0.5), ("put", 0.0)])
+def test_what_is_out_of_reach_is_refused_with_the_missing_length(action: str, x: float) -> None:
+    body = Body(x=x)
+    goal = Goal(place=(1.2, -0.15, 0.88)) if action == "put" else Goal()
+    with pytest.raises(AlgorithmError, match=r"right arm is 0\.\d\d m too short"):
+        next(iter(frames(program("slerp"), body.start(CUP, action, goal=goal))))
 
 
 def test_standing_needs_no_object_to_look_at() -> None:
