@@ -69,12 +69,13 @@ def up(
     human: Annotated[str, typer.Option(help="The human's name.")] = "ken",
     body: Annotated[str, typer.Option(help="Which body of humandb.")] = "",
     scene: Annotated[str, typer.Option(help="A kind of object to add at first; empty: none.")] = "room",
+    address: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where the server listens.")] = "",
     workspace: Workspace = None,
 ) -> None:
     """Server, viewer and main on this machine, with the console. Example: ahmss up --human aiko --body aiko"""
     from ahmss.main.up import run_up
 
-    if run_up(human, body, scene, workspace):
+    if run_up(human, body, scene, address, workspace):
         raise typer.Exit(1)
 
 

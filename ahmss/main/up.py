@@ -16,13 +16,13 @@ from ahmss.world.process import ServerProcess
 __all__ = ["run_up"]
 
 
-def run_up(human: str, body: str, scene: str, workspace: Path | None) -> int:
+def run_up(human: str, body: str, scene: str, address: str, workspace: Path | None) -> int:
     """Run all until the console is left; returns how many things went wrong.
 
     Raises:
         AhmssError: the port is taken, or no such body.
     """
-    with ServerProcess(f"127.0.0.1:{PORT}", log=Path("out") / "server.log" if Path("out").is_dir() else None) as server:
+    with ServerProcess(address or f"127.0.0.1:{PORT}") as server:
         viewer = _viewer(server.address)
         if viewer is None:
             print(f"no display for a window; pictures: ahmss view --server {server.address} --snapshot picture.png")
