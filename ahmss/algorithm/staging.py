@@ -23,7 +23,7 @@ from ahmss.motion.planting import feet, plant
 
 __all__ = ["Staged", "face", "lips", "mirrored", "part", "stage", "stands"]
 
-_LIPS = np.array([-0.0435, 0.0, -0.006])
+_LIPS = np.array([-0.0422, 0.0, -0.0062])
 _UP = np.array([0.0, 0.0, 1.0])
 _UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 _SWAPPED_TARGETS = [1, 0, 3, 2, 4]

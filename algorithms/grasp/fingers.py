@@ -111,9 +111,7 @@ def opened(side: str, thumb: Array | None = None) -> Array:
     return rotations
 
 
-def _touch(
-    skeleton: Skeleton, link: int, place: Array, tried: Array, angles: Array, cylinder: Cylinder
-) -> float:
+def _touch(skeleton: Skeleton, link: int, place: Array, tried: Array, angles: Array, cylinder: Cylinder) -> float:
     """The first of the angles (n) at which a link at `place`, turned as tried (n, 4), touches; else the nearest."""
     points = place + rotate(tried[:, None], ALONG * skeleton.tips[link])
     gap = cylinder.clearance(points).min(axis=1) - skeleton.radii[link]

@@ -177,6 +177,9 @@ def keyframes(skeleton: Skeleton, targets: str, shares: dict[str, float], *keys:
         rate=60.0,
         targets=rows,
         header=ClipHeader(
-            origin=ORIGIN, human=skeleton.name, targets=targets, times=tuple(key.time for key in keys)  # type: ignore[arg-type]
+            origin=ORIGIN,
+            human=skeleton.name,
+            targets=targets,
+            times=tuple(key.time for key in keys),  # type: ignore[arg-type]
         ),
     )
