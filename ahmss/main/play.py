@@ -10,12 +10,13 @@ import sys
 import tempfile
 from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ahmss.errors import AhmssError, CommandError
+from ahmss.errors import CommandError
 from ahmss.main.command import Human
+from ahmss.main.process import Report
 from ahmss.main.script import Script, read_script
 from ahmss.world.process import ServerProcess
 
@@ -49,17 +50,18 @@ class PlaySetup:
 
 @dataclass
 class PlayReport:
-    """What became of a script: one report of each main."""
+    """What became of a script: one report of each main, and what went wrong beside them."""
 
     mains: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
+    problems: list[str] = field(default_factory=list[str])
 
     @property
     def failures(self) -> int:
         """How many things went wrong."""
-        return sum(int(main["failures"]) for main in self.mains)
+        return sum(int(main["failures"]) for main in self.mains) + len(self.problems)
 
     def __str__(self) -> str:
-        """A line for each human."""
+        """A line for each human and for each problem."""
         lines: list[str] = []
         for main in self.mains:
             rate = main["frames"] / main["seconds"] if main["seconds"] else 0.0
@@ -67,12 +69,15 @@ class PlayReport:
                 f"{main['human']}: {main['frames']} frames in {main['seconds']:.1f} s ({rate:.0f}/s), "
                 f"{main['late']} began late, {main['held']} held for a motion, {main['failures']} failures"
             )
-        return "\n".join(lines)
+        return "\n".join(lines + self.problems)
 
 
 @contextmanager
-def running_server(setup: PlaySetup, names: tuple[str, ...]) -> Generator[str]:
-    """The address of the server to play on: the one that was named, or one of its own for as long as this lasts."""
+def running_server(setup: PlaySetup, names: tuple[str, ...], problems: list[str] | None = None) -> Generator[str]:
+    """The address of the server to play on: the one that was named, or one of its own for as long as this lasts.
+
+    `problems` is told at its end what went wrong with its recording.
+    """
     if setup.server:
         if setup.record is not None:
             raise CommandError("--record needs a server of its own: leave --server out, or record there (ahmss server)")
@@ -89,9 +94,9 @@ def running_server(setup: PlaySetup, names: tuple[str, ...]) -> Generator[str]:
             log=log,
         ) as server:
             yield server.address
-        for line in log.read_text(errors="replace").splitlines():
-            if "can't be written" in line or "recording" in line:
-                raise AhmssError(line)
+        said = log.read_text(errors="replace").splitlines()
+        if problems is not None:
+            problems += [line for line in said if "can't be written" in line or "recording" in line]
 
 
 def play_script(path: Path, setup: PlaySetup, ready: Callable[[str], None] = lambda _: None) -> PlayReport:
@@ -102,9 +107,10 @@ def play_script(path: Path, setup: PlaySetup, ready: Callable[[str], None] = lam
     """
     script = read_script(path)
     names = tuple(human.name for human in script.humans)
+    problems: list[str] = []
     group = path.stem if setup.fast else f"{path.stem}-{secrets.token_hex(4)}"
     with ExitStack() as stack:
-        address = stack.enter_context(running_server(setup, names))
+        address = stack.enter_context(running_server(setup, names, problems))
         ready(address)
         mains = [_start(script, human, setup, address, group) for human in script.humans]
         try:
@@ -112,7 +118,7 @@ def play_script(path: Path, setup: PlaySetup, ready: Callable[[str], None] = lam
         except BaseException:
             _stop(mains)
             raise
-    return PlayReport(reports)
+    return PlayReport(reports, problems)
 
 
 def _start(script: Script, human: Human, setup: PlaySetup, address: str, group: str) -> subprocess.Popen[bytes]:
@@ -127,12 +133,15 @@ def _start(script: Script, human: Human, setup: PlaySetup, address: str, group: 
 
 
 def _finish(main: subprocess.Popen[bytes], name: str) -> dict[str, Any]:
-    """A main's report, once it has come to its end."""
+    """A main's report, once it has come to its end; one that could not begin or broke down counts as a failure."""
     output, _ = main.communicate()
     try:
-        return json.loads(output.splitlines()[-1])
+        report = json.loads(output.splitlines()[-1])
     except (ValueError, IndexError):
-        raise AhmssError(f"the main process of {name} ended with exit code {main.returncode} and no report") from None
+        report = {"error": f"its main process ended with exit code {main.returncode} and no report"}
+    if "error" in report:  # it has told standard error itself
+        report = asdict(Report(name, failures=1, messages=[report["error"]]))
+    return report
 
 
 def _stop(mains: list[subprocess.Popen[bytes]]) -> None:

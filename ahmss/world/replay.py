@@ -18,6 +18,8 @@ from ahmss.world.view import World
 
 __all__ = ["replay"]
 
+_LAST_STAYS = 1.0  # seconds
+
 
 def replay(
     path: Path | str,
@@ -50,7 +52,7 @@ def replay(
                 client.poll()
                 if speed > 0:
                     time.sleep(max(0.0, begin + (tick + 1) / (reader.rate * speed) - time.monotonic()))
-            time.sleep(0.1)  # the last tick is seen before all leaves
+            time.sleep(_LAST_STAYS if speed > 0 else 0.1)  # the last tick is seen before all leaves
         finally:
             player.clear()
 

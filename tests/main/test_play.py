@@ -98,6 +98,31 @@ def test_a_script_that_fails_says_where_and_ends_with_1(workspace: Path, tmp_pat
     assert "Traceback" not in done.stderr
 
 
+def test_a_main_that_can_not_begin_is_a_failure_in_the_summary(workspace: Path, tmp_path: Path) -> None:
+    script = tmp_path / "one.txt"
+    script.write_text("human ken body nobody\n")
+    done = run("play", str(script), "--fast", "--workspace", str(workspace))
+    assert done.returncode == 1
+    assert 'no human "nobody"' in done.stderr
+    assert "ken: 0 frames in 0.0 s" in done.stdout
+    assert "1 failures" in done.stdout
+    assert "fault of the program" not in done.stderr
+
+
+def test_a_recording_that_can_not_be_kept_costs_no_summary(workspace: Path, tmp_path: Path) -> None:
+    script = tmp_path / "one.txt"
+    script.write_text("human ken body ken\nadd box as b at 0.3 0 1\ndo b wave frames 300\n")
+    command = [sys.executable, "-m", "ahmss", "play", str(script), "--fast", "--record", str(tmp_path / "run.rec")]
+    done = subprocess.run(
+        ["sh", "-c", 'ulimit -f 200; trap "" XFSZ; exec "$@"', "sh", *command, "--workspace", str(workspace)],
+        capture_output=True, text=True, timeout=50, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1, done.stderr
+    assert "ken: 3" in done.stdout
+    assert "0 failures" in done.stdout
+    assert "run.rec" in done.stdout.splitlines()[-1]
+
+
 def test_the_server_may_be_killed_and_come_back_in_mid_motion(
     tmp_path: Path, server: Callable[..., ServerProcess], join: Callable[..., MainProcess]
 ) -> None:
@@ -130,6 +155,39 @@ def test_the_server_may_be_killed_and_come_back_in_mid_motion(
     _, seen = world.human("ken")
     assert np.abs(seen - main.blending.rotations).max() < 1e-6
     assert main.report.late < main.report.frames
+
+
+def test_a_server_that_forgot_the_world_does_not_freeze_the_human(
+    server: Callable[..., ServerProcess], join: Callable[..., MainProcess]
+) -> None:
+    first = server()
+    main = join(first)
+    main.play(steps("add box as b at 0.3 0 1", "do b take frames 10"))
+    over = False
+    frames = threading.Thread(target=main.run, args=(lambda: over,))
+    frames.start()
+    try:
+        first.kill()
+        time.sleep(0.3)
+        server(address=first.address)
+        deadline = time.monotonic() + 20.0
+        while main.control.holds and time.monotonic() < deadline:
+            time.sleep(0.05)
+        for step in steps("add box as b at 0.3 0 1", "do b wave frames 20", "do b take frames 10"):
+            main.agenda.add(step)
+        while not main.agenda.done and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(0.5)
+    finally:
+        over = True
+        frames.join()
+    assert main.control.holds == {"b": "right"}
+    main.communication.client.refresh()
+    world = main.communication.world
+    assert world.objects["b"].holder == "ken"
+    _, seen = world.human("ken")
+    assert np.abs(seen - main.blending.rotations).max() < 1e-6
+    assert len(main.report.messages) <= 3, main.report.messages
 
 
 def test_interrupt_stops_the_motion_and_not_the_console(workspace: Path, server: Callable[..., ServerProcess]) -> None:
