@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
@@ -23,6 +24,8 @@ from ahmss.world.view import World
 __all__ = ["Communication"]
 
 _PATIENCE = 60.0  # seconds that lockstep waits for an answer: the others may have to finish a frame
+_AGAIN = 600  # frames after which the same refusal is told again
+_NUMBER = re.compile(r"\d+")
 _SEEN = 2  # frames after which the world shows a state that was set, or it was refused
 
 
@@ -37,6 +40,7 @@ class Communication:
         self.lockstep, self.fast = lockstep, fast
         self.frame = 0
         self._own: dict[str, tuple[int, Array]] = {}
+        self._complained: dict[str, int] = {}
         self._said: dict[str, tuple[int, dict[str, StateValue]]] = {}
 
     @property
@@ -92,9 +96,27 @@ class Communication:
         if not self.lockstep:  # there the world itself is as new as this
             self._own[name] = (self.frame + 1, pose)
 
+    def held(self) -> frozenset[str] | None:
+        """The objects that the server says this human has now; None where it can't be asked."""
+        try:
+            world = self.client.refresh()
+        except WorldError:
+            return None
+        return frozenset(name for name, record in world.objects.items() if record.holder == self.human)
+
+    @property
+    def connected(self) -> bool:
+        """Whether the server hears; it is called again and again until it does."""
+        return self.client.connected
+
     def complaints(self) -> list[str]:
-        """What the server refused since the last time."""
-        said = list(dict.fromkeys(self.client.refusals))
+        """What the server refused since the last time; what it says again and again comes once in `_AGAIN` frames."""
+        said: list[str] = []
+        for reason in self.client.refusals:
+            kind = _NUMBER.sub("", reason)
+            if self.frame >= self._complained.get(kind, 0):
+                self._complained[kind] = self.frame + _AGAIN
+                said.append(reason)
         self.client.refusals.clear()
         return said
 

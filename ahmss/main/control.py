@@ -81,6 +81,16 @@ class Control:
         for motion in list(self._motions):
             self._drop(motion)
 
+    def reconcile(self) -> None:
+        """Give up what the server says this human has no longer, as after a restart that lost the claim."""
+        granted = [mover for mover in self._movers.values() if mover.granted]
+        held = self._communication.held() if granted else None
+        if held is not None:
+            for mover in granted:
+                if mover.name not in held:
+                    mover.granted = False  # so nothing is there to be released
+                    self._refuse(mover, f"{mover.name} is not this human's to move any more; take it again")
+
     def close(self) -> None:
         """End all processes."""
         self._launcher.close()
@@ -214,6 +224,7 @@ class Control:
         """The object can't be had: its motion ends."""
         for motion in [motion for motion in self._motions if motion.mover is mover]:
             self._fail(motion, f"{motion.order.title}: {reason}")
+        self._silence(mover)
         self._forget(mover)
 
     def _next_seed(self) -> int:

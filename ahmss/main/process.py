@@ -111,6 +111,7 @@ class MainProcess:
         if setup.lockstep:
             self._patience = _FAST_PATIENCE + 1.0 if setup.fast else _LOCKSTEP_PATIENCE
         self.control.see(self.blending)
+        self._connected = True
 
     @property
     def actor(self) -> Actor:
@@ -187,9 +188,19 @@ class MainProcess:
         time.sleep(self.pace.period)
 
     def _listen(self) -> None:
-        """What the server refused."""
-        for reason in self.communication.complaints():
+        """What the server refused, and whether it is there."""
+        complaints = self.communication.complaints()
+        if complaints:
+            self.control.reconcile()
+        for reason in complaints:
             self.trouble(reason)
+        connected = self.communication.connected
+        if connected != self._connected:
+            self._connected = connected
+            server = self.communication.client.address
+            self._say(
+                f"the server at {server} is back" if connected else f"the server at {server} is gone; waiting for it"
+            )
 
     def trouble(self, reason: str) -> None:
         """Say in one line what went wrong."""
