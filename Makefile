@@ -17,8 +17,9 @@ help:
 demo: $(READY) $(GL)
 	$(BIN)/ahmss demo
 
-test: $(READY) $(GL) lint
+test: $(READY) $(GL)
 	$(BIN)/pytest -q -n 2 --dist loadfile
+	@$(MAKE) --no-print-directory lint
 
 test-long: $(READY) $(GL)
 	$(BIN)/pytest -q -m long --timeout 900
