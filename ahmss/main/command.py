@@ -26,6 +26,13 @@ _T = TypeVar("_T")
 Value = str | float
 Place = tuple[float, ...]
 
+_IN_WORDS = {
+    "OBJECT": "an object", "ACTION": "an action", "KIND": "a kind of object", "NAME": "a name", "BODY": "a body",
+    "HUMAN": "a human", "STATE": "a state of that object", "VALUE": "a value", "CLIP": "a motion clip",
+    "X": "a number (x in metres)", "Y": "a number (y in metres)", "Z": "a number (z in metres)",
+    "DEGREES": "a number (degrees)", "SECONDS": "a number (seconds)", "N": "a number of frames",
+    "KEY": "a parameter", "KEY=VALUE": "a parameter (key=value)",
+}  # fmt: skip
 OPERATORS = ("==", "!=", "<", "<=", ">", ">=")
 _MOST_FRAMES = 1_000_000
 _NEVER_NAMES = frozenset({"with", "to", "at", "facing", "hand", "pose", "frames", "after", "=", ":", *OPERATORS})
@@ -121,10 +128,10 @@ def parse(text: str, where: str = "") -> Line | None:
 
     Args:
         text: the line as it was typed.
-        where: what stands before the column in an error, such as `table.txt:3:`.
+        where: what stands before the column in an error, such as `table.txt:3: `.
 
     Raises:
-        CommandError: `where column: what came, and what is allowed there`.
+        CommandError: `where` and `column N: what came, and what is expected there`.
     """
     try:
         words = split(text)
@@ -203,7 +210,7 @@ class _Reader:
         self.wanted.append("SECONDS")
         if self._is_number():
             seconds = self._number("SECONDS")
-            return Wait(seconds, human=human) if seconds >= 0.0 else self._refuse(-1, "SECONDS that are not negative")
+            return Wait(seconds, human=human) if seconds >= 0.0 else self._refuse(-1, "seconds that are not negative")
         name, state = self._name("OBJECT"), self._name("STATE")
         for operator in OPERATORS:
             if self._take(operator):
@@ -327,12 +334,14 @@ class _Reader:
         return line if self.at_end else self._refuse()
 
     def _refuse(self, at: int | None = None, allowed: str = "") -> NoReturn:
-        """Say what came at word `at` (the next one if left out, -1 the last taken) and what is allowed."""
+        """Say what came at word `at` (the next one if left out, -1 the last taken) and what is expected."""
         index = self._next if at is None else self._next - 1 if at < 0 else at
         word = self._words[index] if index < len(self._words) else None
         came = "the line ends here" if word is None else f'"{word.text}" can\'t stand here'
-        allowed = allowed or " or ".join(dict.fromkeys(self.wanted)) or "the end of the line"
-        raise CommandError(f"{word.column if word else self._end}: {came}; allowed: {allowed}")
+        if not allowed:
+            wanted = [_IN_WORDS.get(what, f"`{what}`") for what in dict.fromkeys(self.wanted)]
+            allowed = " or ".join(wanted) or "the end of the line"
+        raise CommandError(f"column {word.column if word else self._end}: {came}; expected: {allowed}")
 
 
 def _finite(text: str) -> float | None:

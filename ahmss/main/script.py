@@ -70,7 +70,7 @@ def read_script(path: Path) -> Script:
     steps: list[Step] = []
     for number, line_text in enumerate(text.splitlines(), 1):
         where = f"{path}:{number}"
-        line = parse(line_text, f"{where}:")
+        line = parse(line_text, f"{where}: ")
         if isinstance(line, Human):
             if line.name in humans:
                 raise CommandError(f'{where}: there is a human "{line.name}" already')

@@ -35,7 +35,7 @@ def split(text: str) -> tuple[Word, ...]:
     """The words of one line, without its comment.
 
     Raises:
-        CommandError: a quote that is not closed or a character that no word has; begins with `column: `.
+        CommandError: a quote that is not closed or a character that no word has; begins with `column N: `.
     """
     words: list[Word] = []
     for match in _WORD.finditer(text.rstrip()):
@@ -47,6 +47,6 @@ def split(text: str) -> tuple[Word, ...]:
         if kind == "wrong":
             sign = match.group("wrong")
             reason = "this quote is not closed" if sign in "\"'" else f"no word has a {sign!r}; put it in quotes"
-            raise CommandError(f"{column}: {reason}")
+            raise CommandError(f"column {column}: {reason}")
         words.append(Word(match.group(kind), column, quoted))
     return tuple(words)

@@ -54,31 +54,34 @@ def test_each_production_is_read(text: str, line: Line | None) -> None:
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ("jump", '1: "jump" can\'t stand here; allowed: do or add or wait or set or human or remove or sync'),
-        ("do cup", "7: the line ends here; allowed: ACTION"),
-        ("do cup with television look", '8: "with" can\'t stand here; allowed: ACTION'),
-        ("do cup grasp frames 0", '21: "0" can\'t stand here; allowed: a whole number from 1 to 1000000'),
-        ("do cup grasp frames 1.5", '21: "1.5" can\'t stand here; allowed: a whole number from 1 to 1000000'),
-        ("do cup grasp frames many", '21: "many" can\'t stand here; allowed: N'),
-        ("do cup grasp hand middle", '19: "middle" can\'t stand here; allowed: left or right'),
-        ("do cup grasp frames 2 frames 3", '23: "frames" can\'t stand here; allowed: only one frames'),
-        ("do cup put to 1 2 at 3 4", '19: "at" can\'t stand here; allowed: only one goal for each action'),
-        ("add cup at 1", "13: the line ends here; allowed: Y"),
-        ("add cup at 1 nan", '14: "nan" can\'t stand here; allowed: Y'),
-        ("wait -1", '6: "-1" can\'t stand here; allowed: SECONDS that are not negative'),
-        ("wait lamp power on", '17: "on" can\'t stand here; allowed: == or != or < or <= or > or >='),
-        ("ken: add cup", '6: "add" can\'t stand here; allowed: do or wait'),
-        ("sync now", '6: "now" can\'t stand here; allowed: the end of the line'),
-        ('do "cup grasp', "4: this quote is not closed"),
-        ("do cup grasp!", "13: no word has a '!'"),
-        ("remove =", '8: "=" can\'t stand here; allowed: OBJECT'),
-        ('remove ""', '8: "" can\'t stand here; allowed: OBJECT'),
+        ("jump", 'column 1: "jump" can\'t stand here; expected: `do` or `add` or `wait` or `set` or `human`'),
+        ("do cup", "column 7: the line ends here; expected: an action"),
+        ("do cup with television look", 'column 8: "with" can\'t stand here; expected: an action'),
+        ("do cup grasp frames 0", 'column 21: "0" can\'t stand here; expected: a whole number from 1 to 1000000'),
+        ("do cup grasp frames 1.5", 'column 21: "1.5" can\'t stand here; expected: a whole number from 1 to 1000000'),
+        ("do cup grasp frames many", 'column 21: "many" can\'t stand here; expected: a number of frames'),
+        ("do cup grasp hand middle", 'column 19: "middle" can\'t stand here; expected: `left` or `right`'),
+        ("do cup grasp frames 2 frames 3", 'column 23: "frames" can\'t stand here; expected: only one frames'),
+        ("do cup put to 1 2 at 3 4", 'column 19: "at" can\'t stand here; expected: only one goal for each action'),
+        ("add cup at 1", "column 13: the line ends here; expected: a number (y in metres)"),
+        ("add cup at 1 nan", 'column 14: "nan" can\'t stand here; expected: a number (y in metres)'),
+        ("wait -1", 'column 6: "-1" can\'t stand here; expected: seconds that are not negative'),
+        (
+            "wait lamp power on",
+            'column 17: "on" can\'t stand here; expected: `==` or `!=` or `<` or `<=` or `>` or `>=`',
+        ),
+        ("ken: add cup", 'column 6: "add" can\'t stand here; expected: `do` or `wait`'),
+        ("sync now", 'column 6: "now" can\'t stand here; expected: the end of the line'),
+        ('do "cup grasp', "column 4: this quote is not closed"),
+        ("do cup grasp!", "column 13: no word has a '!'"),
+        ("remove =", 'column 8: "=" can\'t stand here; expected: an object'),
+        ('remove ""', 'column 8: "" can\'t stand here; expected: an object'),
     ],
 )
 def test_an_error_says_where_and_what_is_allowed(text: str, error: str) -> None:
     with pytest.raises(CommandError) as caught:
-        parse(text, "table.txt:3:")
-    assert str(caught.value).startswith(f"table.txt:3:{error}")
+        parse(text, "table.txt:3: ")
+    assert str(caught.value).startswith(f"table.txt:3: {error}")
 
 
 @pytest.mark.parametrize(

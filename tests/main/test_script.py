@@ -47,7 +47,7 @@ def test_one_human_needs_no_name_and_no_sync_of_the_scene(tmp_path: Path) -> Non
         ("human a\nhuman a", 'play.txt:2: there is a human "a" already'),
         ("human a\nb: do cup grasp", 'play.txt:2: no human "b" in this script; it has: a'),
         ("human a\nhuman b\ndo cup grasp", "play.txt:3: who? begin the line with one of: a:, b:"),
-        ("human a\ndo cup", "play.txt:2:7: the line ends here; allowed: ACTION"),
+        ("human a\ndo cup", "play.txt:2: column 7: the line ends here; expected: an action"),
     ],
 )
 def test_a_wrong_script_is_refused_with_its_place(tmp_path: Path, text: str, error: str) -> None:
