@@ -182,7 +182,8 @@ class AlgorithmProcess:
         self._log.drain()
         where = f" at frame {self.pending or self.last}" if self.pending or self.last else ""
         last = self._log.last_line()
-        log = f'; its log ends with "{last}"' if last and last not in reason else ""
+        said = last.split("Error: ", 1)[-1] in reason  # a traceback ends with the reason itself
+        log = f'; its log ends with "{last}"' if last and not said else ""
         self.failure = AlgorithmError(f"algorithm {self.name}{where}: {reason}{log}")
         self.phase = Phase.FAILED
         self.pending = 0  # nobody need wait for it

@@ -112,6 +112,7 @@ class Database:
             object_parameters = fill(entry.parameters, given) if entry else {}
         except ValueError as error:
             raise CommandError(f"{title}: parameter {error}") from None
+        _refuse_incomplete(title, act, affordance)
         hand = _hand(act, affordance, scene.pose(name), actor, name)
         goal = self._goal(act, scene, scene.pose(name))
         return Order(
@@ -136,6 +137,8 @@ class Database:
         _check_needs(order, actor)
         if affordance.hold in ("keep", "release") and order.object not in actor.holds:
             by = f"; {record.holder} holds it" if record.holder else ""
+            if record.holder == actor.name:
+                by = "; it was let go just now"
             raise CommandError(f"{order.title}: {actor.name} does not hold it{by}")
         if affordance.hold == "take" and order.object in actor.holds:
             raise CommandError(f"{order.title}: {actor.name} holds it already")
@@ -267,6 +270,14 @@ def _refuse_unknown(
     for name, _ in typed:
         if name not in known:
             raise CommandError(f'{title}: no parameter "{name}"; it takes: {", ".join(sorted(known)) or "none"}')
+
+
+def _refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:
+    """Refuse an act that leaves out what its action can't do without: a facing and a hand are found, a goal is not."""
+    if "goal_position" in affordance.asks and not (act.goal_place or act.goal_object):
+        raise CommandError(f"{title}: asks for a place; add `to X Y Z`, or `to` and an object")
+    if "goal_posture" in affordance.asks and not act.posture:
+        raise CommandError(f"{title}: asks for a posture; add `pose` and a motion clip")
 
 
 def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str) -> str:

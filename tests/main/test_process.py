@@ -185,6 +185,7 @@ def test_a_bad_algorithm_costs_one_line_and_disturbs_nothing_else(
         ("do b wave speed=3", 'line 1: b wave: no parameter "speed"; it takes: angle, link'),
         ("do b wave angle=fast", "line 1: b wave: parameter angle: 'fast' is no finite number"),
         ("do b shake", "b shake: ken does not hold it"),
+        ("do b step", "line 1: b step: asks for a place; add `to X Y Z`, or `to` and an object"),
         ("do b reach_high", "b reach_high: needs reach 3; ken has 2."),
         ("set b lid ajar", 'line 1: b lid can\'t be "ajar"; allowed: shut, open'),
         ("set b colour red", 'line 1: b has no state "colour"; it has: lid'),
