@@ -15,6 +15,7 @@ import numpy as np
 __all__ = [
     "ARRAYS",
     "FLOATS",
+    "FREE",
     "Functions",
     "Quaternion",
     "Scalar",
@@ -32,6 +33,9 @@ __all__ = [
     "saturate",
     "twist",
 ]
+
+FREE = 0.7
+"""The share of a limit within which `saturate` changes nothing."""
 
 Scalar = Any  # a float or an array
 Vector = tuple[Scalar, Scalar, Scalar]
@@ -165,9 +169,9 @@ def twist(m: Functions, q: Quaternion, axis: Vector) -> Scalar:
     return 2.0 * m.atan2(m.where(q[0] < 0.0, -along, along), m.where(q[0] < 0.0, -q[0], q[0]))
 
 
-def saturate(m: Functions, x: Scalar, low: float, high: float, free: float = 0.7) -> Scalar:
-    """x as it is within the `free` share of low < 0 < high, beyond bending smoothly towards the limit."""
-    knee_high, knee_low = free * high, free * low
+def saturate(m: Functions, x: Scalar, low: float, high: float) -> Scalar:
+    """x as it is within the FREE share of low < 0 < high, beyond bending smoothly towards the limit."""
+    knee_high, knee_low = FREE * high, FREE * low
     if m is FLOATS and knee_low <= x <= knee_high:  # as a rule: the rest would change nothing
         return x
     over = m.maximum(x - knee_high, 0.0) / (high - knee_high)

@@ -15,6 +15,7 @@ from ahmss.body.array import Array
 from ahmss.body.components import ARRAYS, FLOATS, Functions, Quaternion, Vector, conjugate, multiply, relative, rotate
 from ahmss.body.gaze import solve_gaze
 from ahmss.body.limb import Goal, Limb, solve_limb
+from ahmss.body.limb_one import end_of, solve_usual
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import ShapeError
@@ -144,6 +145,10 @@ class _Body:
         if rotation is not None:
             rotation = relative(parent, rotation)
         given = (self.rows[limb.first], self.rows[limb.first + 1], self.rows[limb.first + 2])
+        if self.m is FLOATS and rotation is not None:
+            solved = solve_usual(limb, given, place, rotation, target[7])
+            if solved is not None:
+                return solved
         return solve_limb(self.m, limb, given, Goal(place, rotation, target[7]))
 
     def _seen_from_hips(self, place: Vector) -> Vector:
@@ -209,10 +214,21 @@ _HANDS, _HANDS_AND_FEET = slice(0, 2), slice(0, 4)  # of the limbs
 def _ends(skeleton: Skeleton, rotations: Array, root: Array, chosen: slice) -> Array:
     measures = _measures(skeleton)
     if rotations.ndim == 2:
-        return np.array(_chains(measures, chosen, rotations[:_ROWS].tolist(), root.tolist()))
+        return np.array(_chains_one(measures, chosen, rotations[:_ROWS].tolist(), root.tolist()))
     rows = [tuple(np.moveaxis(rotations[..., link, :], -1, 0)) for link in range(_ROWS)]
     frames = _chains(measures, chosen, rows, tuple(np.moveaxis(root, -1, 0)))
     return np.stack([np.stack(frame, axis=-1) for frame in frames], axis=-2)
+
+
+def _chains_one(measures: _Measures, chosen: slice, rows: Any, root: Any) -> list[Any]:
+    """The same for one pose in plain floats."""
+    q_hips = rows[_HIPS]
+    q_spine = multiply(q_hips, rows[_SPINE])
+    spine = _add(root, rotate(q_hips, measures.spine))
+    return [
+        end_of(limb, *((spine, q_spine) if limb.first in _ON_SPINE else (root, q_hips)), rows)
+        for limb in measures.limbs[chosen]
+    ]
 
 
 def _chains(measures: _Measures, chosen: slice, rows: Any, root: Any) -> list[Any]:

@@ -27,11 +27,11 @@ from ahmss.body.components import (
     twist,
 )
 
-__all__ = ["Goal", "Limb", "solve_limb"]
+__all__ = ["SOFTEST", "STRAIGHT", "SWIVEL", "Goal", "Limb", "Rotations", "solve_limb"]
 
-_SOFTEST = 0.0003  # the least share of the reach over which a limb that is stretched goes soft
-_STRAIGHT = 0.05  # how much of the hinge's own axis joins the plane of the bend, so that a straight limb has one
-_SWIVEL = 1.0  # radians that elbow or knee may turn aside for a hand or foot turned too far
+SOFTEST = 0.0003  # the least share of the reach over which a limb that is stretched goes soft
+STRAIGHT = 0.05  # how much of the hinge's own axis joins the plane of the bend, so that a straight limb has one
+SWIVEL = 1.0  # radians that elbow or knee may turn aside for a hand or foot turned too far
 
 
 class Limb(NamedTuple):
@@ -102,7 +102,7 @@ def _hinge(m: Functions, a: Vector, b: Vector) -> Vector:
     x, y, z = cross(a, b)
     scale = 1.0 / m.sqrt(dot(a, a) * dot(b, b))
     # Bent the wrong way (overstretched), the plane says nothing of the side: that part is left out.
-    x, y, z = scale * x, _STRAIGHT + m.maximum(scale * y, 0.0), scale * z
+    x, y, z = scale * x, STRAIGHT + m.maximum(scale * y, 0.0), scale * z
     length = m.sqrt(x * x + y * y + z * z)
     return (x / length, y / length, z / length)
 
@@ -129,7 +129,7 @@ def _bend(m: Functions, limb: Limb, h: Vector, b: Vector, distance: Scalar) -> S
 
 def _soften(m: Functions, distance: Scalar, present: Scalar, longest: Scalar, soft: float) -> Scalar:
     """The distance asked for, slowing down before full stretch; a limb given stretched may be so."""
-    start = m.minimum(m.maximum(present, (1.0 - soft) * longest), (1.0 - _SOFTEST) * longest)
+    start = m.minimum(m.maximum(present, (1.0 - soft) * longest), (1.0 - SOFTEST) * longest)
     span = longest - start
     over = m.maximum(distance - start, 0.0) / span
     return m.minimum(distance, start) + span * (1.0 - m.exp(-over))
@@ -162,6 +162,6 @@ def _share_turn(
         return swing, multiply(new_lower, about(m, axis, after - before))
     length = m.maximum(m.sqrt(dot(reach, reach)), 1e-9)
     line = (reach[0] / length, reach[1] / length, reach[2] / length)
-    swing = multiply(about(m, line, saturate(m, excess, -_SWIVEL, _SWIVEL)), swing)
+    swing = multiply(about(m, line, saturate(m, excess, -SWIVEL, SWIVEL)), swing)
     after = own + twist(m, relative(multiply(swing, new_lower), q_end), axis)
     return swing, multiply(new_lower, about(m, axis, saturate(m, after, *limb.turn) - kept))
