@@ -8,6 +8,7 @@ import msgspec
 
 from ahmss.database.algorithms import NotBuilt
 from ahmss.database.document import one_of
+from ahmss.database.missing import check_files
 from ahmss.database.parameter import fill
 from ahmss.database.records import Affordance, AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
@@ -93,12 +94,9 @@ def _filled(place: str, entry: AlgorithmEntry, affordance: Affordance) -> Iterat
 
 
 def _load_clip(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> None:
-    motion = affordance.motion
-    assert motion is not None
-    if not motion.is_file():
-        file = workspace.label(kind.directory / "object.toml")
-        raise DataError(file, f"affordances.{affordance.name}.motion", f"no file {workspace.label(motion)}")
-    clip.load(motion)
+    check_files(workspace, kind, affordance.name)
+    assert affordance.motion is not None
+    clip.load(affordance.motion)
 
 
 def _said(look: Callable[[], object]) -> Iterator[str]:

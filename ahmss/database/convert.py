@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.database.glb import Part, write_glb
+from ahmss.database.missing import check_files
 from ahmss.database.normals import closed, corner_normals, weld
 from ahmss.database.objectfile import UNITS
 from ahmss.database.precount import precount
@@ -33,6 +34,7 @@ _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # glTF's
 def convert_shape(workspace: Workspace, kind: ObjectKind) -> Shape:
     """Read, check and convert the shape that `kind` names."""
     assert kind.shape is not None
+    check_files(workspace, kind)
     path, label = kind.shape, workspace.label(kind.shape)
     _check_file(path, label)
     soup, metres = _read(workspace, path, label)
@@ -60,12 +62,7 @@ def _check_file(path: Path, label: str) -> None:
     """Refuse at once what is not there, of no known format, empty, or far too large."""
     if path.suffix[1:].lower() not in _FORMATS:
         raise DataError(label, "", f'no shape file "{path.suffix}"; allowed: {", ".join(_FORMATS)}')
-    try:
-        size = path.stat().st_size
-    except FileNotFoundError:
-        raise DataError(label, "", "no such shape file") from None
-    if not path.is_file():
-        raise DataError(label, "", "is no file")
+    size = path.stat().st_size
     if size == 0:
         raise DataError(label, "", "the shape file is empty")
     if size > _MOST_BYTES:

@@ -10,6 +10,7 @@ import msgspec
 
 from ahmss.database.document import one_of
 from ahmss.database.freshness import Fresh, Watched
+from ahmss.database.missing import check_files
 from ahmss.database.objectfile import NAME, read_object
 from ahmss.database.placement import Placed, expand
 from ahmss.database.records import ObjectKind, Quaternion, Vector
@@ -76,13 +77,12 @@ class ObjectDatabase:
         return out
 
     def _missing(self, kind: ObjectKind) -> str:
-        """The first file that the kind names and that is not there."""
-        label = self.workspace.label(kind.directory / "object.toml")
-        files = {"shape": kind.shape, "texture": kind.texture}
-        files |= {f"affordances.{n}.motion": a.motion for n, a in kind.affordances.items()}
-        for place, path in files.items():
-            if path is not None and not path.is_file():
-                return f"{label}: {place}: no file {self.workspace.label(path)}"
+        """What is wrong with the first file that the kind names and that is not there."""
+        try:
+            for affordance in ("", *kind.affordances):
+                check_files(self.workspace, kind, affordance)
+        except DataError as error:
+            return str(error)
         return ""
 
     def place(

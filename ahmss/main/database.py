@@ -16,6 +16,7 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
+from ahmss.database.missing import check_files
 from ahmss.database.parameter import fill
 from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel, ObjectKind
 from ahmss.database.workspace import Workspace
@@ -113,6 +114,7 @@ class Database:
         except ValueError as error:
             raise CommandError(f"{title}: parameter {error}") from None
         _refuse_incomplete(title, act, affordance)
+        check_files(self.workspace, kind, affordance.name)
         hand = _hand(act, affordance, scene.pose(name), actor, name)
         goal = self._goal(act, scene, scene.pose(name))
         return Order(

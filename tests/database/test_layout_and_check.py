@@ -85,10 +85,10 @@ def test_check_tells_every_fault_once(workspace: Workspace) -> None:
     assert (report.objects, report.humans, report.algorithms, report.motions) == (3, 0, 3, 1)
     expected = (
         "objectdb/broken/object.toml: not TOML",
-        "objectdb/cup/gone.dxf: no such shape file",
+        "objectdb/cup/object.toml: shape (line 1): no file objectdb/cup/gone.dxf",
         "objectdb/cup/object.toml: affordances.nod.parameters.depth: missing; it is float without a default",
         'objectdb/cup/object.toml: affordances.nod.parameters: no parameter "dept", did you mean "depth"?',
-        "objectdb/cup/object.toml: affordances.nod.motion: no file objectdb/cup/gone.npz",
+        "objectdb/cup/object.toml: affordances.nod.motion (line 4): no file objectdb/cup/gone.npz",
         'affordances.fall.human_algorithm: "fall" moves objects; name one that moves humans',
         'affordances.fall.object_algorithm: no algorithm "missing"',
         "objectdb/ring/object.toml: contains[0].kind: a circle: ring contains ring",

@@ -147,4 +147,4 @@ def test_one_broken_file_hides_no_other(workspace: Workspace) -> None:
     assert (listed["a_good"].sentence, listed["a_good"].error) == ("Good.", "")
     assert "not TOML" in listed["broken"].error
     assert "not UTF-8" in listed["binary"].error
-    assert "shape: no file objectdb/misses/gone.dxf" in listed["misses"].error
+    assert "shape (line 1): no file objectdb/misses/gone.dxf" in listed["misses"].error

@@ -189,7 +189,9 @@ def test_what_is_refused_at_the_border(workspace: Workspace, name: str, data: by
 
 
 def test_a_missing_shape(workspace: Workspace) -> None:
-    with pytest.raises(DataError, match=r"objectdb/thing/gone\.dxf: no such shape file"):
+    with pytest.raises(
+        DataError, match=r"objectdb/thing/object\.toml: shape \(line \d+\): no file objectdb/thing/gone\.dxf"
+    ):
         shape_of(workspace, 'shape = "gone.dxf"')
 
 
