@@ -39,6 +39,8 @@ class Agenda:
         self._lock = threading.Lock()
         self._unfinished = 0
         self._cut = False
+        self._doing = ""
+        self._failures = 0
         self.said: Callable[[str], None] = _keep_quiet
 
     @property
@@ -66,8 +68,9 @@ class Agenda:
     def step(self) -> None:
         """Go on with the next lines, until one takes time."""
         if self._cut:
-            self._cut, self._waits = False, None
+            self._cut, self._waits, self._doing = False, None, ""
             self._main.control.stop()
+        self._tell_of_the_end()
         while not self._busy() and self._steps:
             step = self._steps.popleft()
             try:
@@ -75,6 +78,14 @@ class Agenda:
             except AhmssError as error:
                 self._trouble(step, error)
         self._count()
+
+    def _tell_of_the_end(self) -> None:
+        """Say once that the motions of the last line are over; of those that failed that was said already."""
+        control = self._main.control
+        if self._doing and not control.busy:
+            if control.failures == self._failures:
+                self.said(f"{self._doing}: done")
+            self._doing = ""
 
     def _busy(self) -> bool:
         if self._main.control.busy:
@@ -119,7 +130,8 @@ class Agenda:
         orders = [main.database.order(act, main.communication, actor) for act in line.acts]
         main.control.begin(orders)
         seconds = max(order.after + order.frames for order in orders) / self._setup.rate
-        self.said(f"{' with '.join(order.title for order in orders)}: {seconds:.1f} s")
+        self._doing, self._failures = " with ".join(order.title for order in orders), main.control.failures
+        self.said(f"{self._doing}: {seconds:.1f} s")
 
     def _wait(self, line: Wait) -> None:
         self._check_name(line.human)

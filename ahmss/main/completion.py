@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from ahmss.errors import AhmssError
@@ -18,12 +19,18 @@ def candidates(text: str, catalogue: WorldCatalogue, words: Sequence[str]) -> li
     """All that may stand in the place of the last word of `text`; `words` answer the present question."""
     head = text[: text.rfind(" ") + 1]
     if not head.strip():
-        return [*words, *_LINES]
+        return [*words, *_last_parts(words), *_LINES]
     wanted, before = expected(head)
     found: list[str] = []
     for what in wanted:
         found += _named(what, before, catalogue) if what.isupper() or what == "KEY=VALUE" else [what]
     return list(dict.fromkeys(found))
+
+
+def _last_parts(names: Sequence[str]) -> list[str]:
+    """`cup` for `room/cup`: the last parts that mean one name only."""
+    parts = Counter(name.rsplit("/", 1)[-1] for name in names)
+    return [part for name in names if "/" in name and parts[part := name.rsplit("/", 1)[-1]] == 1]
 
 
 def _named(what: str, before: tuple[str, ...], catalogue: WorldCatalogue) -> Sequence[str]:
@@ -33,7 +40,7 @@ def _named(what: str, before: tuple[str, ...], catalogue: WorldCatalogue) -> Seq
     try:
         if what == "OBJECT":
             names = catalogue.objects().names
-            return [*names, *(name.rsplit("/", 1)[-1] for name in names if "/" in name)]
+            return [*names, *_last_parts(names)]
         if what == "KIND":
             return catalogue.kinds().names
         if what == "ACTION":

@@ -14,7 +14,7 @@ from ahmss.errors import AhmssError
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Do, Line
 from ahmss.main.completion import candidates
-from ahmss.main.dialogue import Dialogue, Listing
+from ahmss.main.dialogue import Dialogue, Listing, Question
 from ahmss.main.process import MainProcess, Setup
 from ahmss.main.script import Step
 
@@ -63,7 +63,8 @@ class Console:
         self._main, self._terminal, self._waits = main, terminal, waits
         self._dialogue = Dialogue(self.catalogue)
         self._over = False
-        self._shown: object = None
+        self._shown: Question | None = None
+        self._objects: tuple[str, ...] | None = None
         main.agenda.said = terminal.say
 
     def _candidates(self, text: str) -> Sequence[str]:
@@ -89,9 +90,7 @@ class Console:
         """One question and its answer; False at the end."""
         try:
             question = self._dialogue.question
-            if question.listing is not None and question != self._shown:
-                self._terminal.show(question.listing)
-            self._shown = question
+            self._show(question)
             text = self._terminal.ask(f"{question.prompt}> ", self._candidates).strip()
             return self._understand(text)
         except EOFError:
@@ -103,6 +102,17 @@ class Console:
         except AhmssError as error:
             self._terminal.say(str(error))
         return True
+
+    def _show(self, question: Question) -> None:
+        """What there is to choose from; the objects only at first and when others have come or gone."""
+        listing = question.listing
+        if listing is not None and question.opening:
+            if listing.names != self._objects:
+                self._terminal.show(listing)
+            self._objects = listing.names
+        elif listing is not None and question != self._shown:
+            self._terminal.show(listing)
+        self._shown = question
 
     def _understand(self, text: str) -> bool:
         match text:
@@ -126,7 +136,6 @@ class Console:
 
     def _carry_out(self, line: Line) -> None:
         """Hand a line to the frame loop; what takes no motion is waited for, so that the next list shows it."""
-        self._shown = None
         self._main.agenda.add(Step(line, 0, ""))
         while not self._main.agenda.done and (self._waits or not isinstance(line, Do)):
             if isinstance(line, Do) or not self._waiting_for_motion():

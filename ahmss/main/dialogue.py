@@ -60,11 +60,15 @@ class Catalogue(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One question: what to show before it, its prompt, and the words that may answer it (for completion)."""
+    """One question: what to show before it, its prompt, and the words that may answer it (for completion).
+
+    opening: it is asked first, again and again; to show the same list each time would hide what was said.
+    """
 
     prompt: str
     listing: Listing | None = None
     words: tuple[str, ...] = ()
+    opening: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +105,7 @@ class Dialogue:
         match draft.step:
             case "object":
                 objects = self._catalogue.objects()
-                return Question("object", objects, objects.names)
+                return Question("object", objects, objects.names, opening=True)
             case "action":
                 actions = self._catalogue.actions(draft.act.object)
                 return Question(f"what to do with {draft.act.object}", actions, actions.names)

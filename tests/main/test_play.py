@@ -245,6 +245,17 @@ def test_the_dialogue_runs_over_a_pipe(workspace: Path, server: Callable[..., Se
         at = text.index(words, at) + len(words)
 
 
+def test_the_console_lists_the_objects_when_they_change_and_says_when_a_motion_ends(
+    workspace: Path, server: Callable[..., ServerProcess]
+) -> None:
+    lines = "add box as b at 0.3 0 1\ndo b wave frames 10\nset b lid open\nwait 0.1\ndo b fly\nlist\n"
+    done = run("main", "--server", server().address, "--workspace", str(workspace), given=lines)
+    text = done.stdout
+    assert text.count("objects in the world") == 3  # at the start, with the box in it, and when asked for
+    assert text.index("b wave: 0.2 s") < text.index("b wave: done") < text.index("b lid is open")
+    assert "b fly: done" not in text
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "error"),
     [
