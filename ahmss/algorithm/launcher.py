@@ -101,6 +101,9 @@ class Launcher:
 
     def wait(self, processes: Iterable[AlgorithmProcess], timeout: float) -> bool:
         """Wait until none of these owes a frame, at most `timeout` seconds; True if so. Logs are read meanwhile."""
+        processes = [process for process in processes if process.pending]
+        for process in processes:  # as a rule it is there already: then there is nothing to wait for
+            process.collect()
         until = time.monotonic() + timeout
         while owing := [process for process in processes if process.pending]:
             left = until - time.monotonic()

@@ -25,6 +25,7 @@ __all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Phase"
 _FRAME_NUMBER = struct.Struct("<d")
 _STOP = encode(Kind.STOP)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
+_LOG_EACH = 8  # times that it is tended, to one look at its log
 _LATE = 0.05  # seconds of silence after which it may have died, its output held open by what it started
 
 
@@ -93,6 +94,7 @@ class AlgorithmProcess:
         self.ended = False
         self._frames = frames
         self._told = False
+        self._tended = 0
         self._child = child
         self._deadlines = deadlines
         self._check = check_human if human else check_object
@@ -200,12 +202,15 @@ class AlgorithmProcess:
         if self.ended:
             return
         if self.active:
-            self._outbound.flush()
-            self._read()
+            if not self._outbound.empty:
+                self._outbound.flush()
+            if not self.pending:  # else who asked waits for the answer and reads it
+                self._read()
             self._watch()
         if self.ended:  # it was read to its end just now
             return
-        if not self._log.over:
+        self._tended += 1
+        if not self._log.over and (self._tended % _LOG_EACH == 0 or not self.active):
             self._log.drain()
         if not self.active:
             self._bury()
