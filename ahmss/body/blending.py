@@ -33,13 +33,15 @@ def blend(rotations: Array, importance: Array, previous: Array) -> Array:
             "disagree; they must be (motions, ..., 43, 4), (motions, ..., 43) and (..., 43, 4)"
         )
     # The sign of the dot product chooses the hemisphere; carried by the weight, it costs no pass over the rotations.
-    weight = np.einsum("m...c,...c->m...", rotations, previous)
+    # For one pose vecdot is twice as fast, for a batch einsum is.
+    one = previous.ndim == 2
+    weight = np.vecdot(rotations, previous) if one else np.einsum("m...c,...c->m...", rotations, previous)
     np.copysign(importance, weight, weight)
     total = np.einsum("m...,m...c->...c", weight, rotations)
-    length = np.einsum("...c,...c->...", total, total)
+    length = np.vecdot(total, total) if one else np.einsum("...c,...c->...", total, total)
     np.sqrt(length, length)
-    nobody = length < _NOBODY
-    if nobody.any():
+    if length.size and length.min() < _NOBODY:
+        nobody = length < _NOBODY
         length[nobody] = 1.0
         total[nobody] = previous[nobody]
     total /= length[..., None]
@@ -62,6 +64,9 @@ def blend_root(increments: Array, importance: Array, previous: Array) -> Array:
     Returns:
         (..., 3) the new root, metres.
     """
+    if importance.ndim == 1:  # one human, in each frame
+        amount = float(importance.sum())
+        return previous + (importance @ increments) / amount if amount > _NOBODY else previous.copy()
     total = importance.sum(axis=0)
     share = importance / np.where(total > _NOBODY, total, 1.0)
     return previous + np.einsum("m...,m...c->...c", share, increments)

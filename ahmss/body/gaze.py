@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ahmss.body.components import (
+    FLOATS,
     Functions,
     Quaternion,
     Scalar,
@@ -50,8 +51,10 @@ def solve_gaze(
     beyond = m.maximum(m.maximum(yaw, -yaw) - _SPINE_FROM, 0.0)
     beyond = beyond * beyond / (beyond + _SPINE_SOFT)  # starts without a jerk
     help_ = saturate(m, _SPINE_SHARE * beyond, -_SPINE_MOST, _SPINE_MOST) * m.where(yaw < 0.0, -1.0, 1.0)
-    q_spine_new = multiply(q_spine, about(m, _X, weight * help_))
-    yaw, pitch = _direction(m, rotate(conjugate(q_spine_new), place), head, eye)
+    q_spine_new = q_spine
+    if m is not FLOATS or help_ != 0.0:  # as a rule the neck alone is enough: the rest would change nothing
+        q_spine_new = multiply(q_spine, about(m, _X, weight * help_))
+        yaw, pitch = _direction(m, rotate(conjugate(q_spine_new), place), head, eye)
     q_look = multiply(
         about(m, _X, saturate(m, _SHARE * yaw, -_YAW, _YAW)),
         about(m, _Y, saturate(m, _SHARE * pitch, -_PITCH_UP, _PITCH_DOWN)),

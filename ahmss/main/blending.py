@@ -6,6 +6,7 @@ are solved onto their targets.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -168,10 +169,10 @@ class Blending:
         importance = rows[:, _IMPORTANCE]
         rotations = rows[:, _ROTATIONS].reshape(-1, 43, 4)
         self._source = blend(rotations, importance[:, :43], self._source)
-        owners = np.flatnonzero(importance[:, 43] > _NOBODY)
+        owners = [motion for motion, share in enumerate(importance[:, 43].tolist()) if share > _NOBODY]
         if len(owners) == 1:
             self._source_root = rows[owners[0], _ROOT]
-        elif len(owners):
+        elif owners:
             increments = rows[:, _ROOT] - np.array([motion.previous_root for motion in motions])
             self._source_root = blend_root(increments, importance[:, 43], self._source_root)
         return self._merge.merge(rows[:, _TARGETS].reshape(-1, 5, 8))
@@ -235,22 +236,34 @@ class _Merge:
         weights = np.array([motion.row[_WEIGHTS] for motion in motions])
         share = weights * np.maximum([motion.row[_DRIVEN_IMPORTANCE] for motion in motions], _LEAST)
         total = share.sum(axis=0)
-        self._share = share / np.where(total > 0.0, total, 1.0)
+        share = share / np.where(total > 0.0, total, 1.0)
         self._first = share.argmax(axis=0)
         self._weights = weights.max(axis=0)
-        self._mixed = np.flatnonzero((share > 0.0).sum(axis=0) > 1)
+        mixed = np.flatnonzero((share > 0.0).sum(axis=0) > 1)
+        self._mixed = [(int(end), int(self._first[end]), share[:, end].tolist()) for end in mixed]
 
     def merge(self, targets: Array) -> Array:
         """(n, 5, 8) as (5, 8)."""
         merged = targets[self._first, _EACH]
-        for end in self._mixed:
-            share, turns = self._share[:, end], targets[:, end, 3:7]
-            merged[end, :3] = share @ targets[:, end, :3]
-            turn = (share * np.copysign(1.0, turns @ merged[end, 3:7])) @ turns
-            length = float(np.sqrt(turn @ turn))
-            merged[end, 3:7] = turn / length if length > _NOBODY else turn
+        for end, first, shares in self._mixed:
+            merged[end, :7] = _mean(targets[:, end].tolist(), shares, first)
         merged[:, 7] = self._weights
         return merged
+
+
+def _mean(rows: list[list[float]], shares: list[float], first: int) -> tuple[float, ...]:
+    """The mean place and rotation (7) of a few targets (8), rotations on the side of the first; in plain floats."""
+    w0, x0, y0, z0 = rows[first][3:7]
+    px = py = pz = w = x = y = z = 0.0
+    for (ax, ay, az, qw, qx, qy, qz, _), share in zip(rows, shares, strict=True):
+        px, py, pz = px + share * ax, py + share * ay, pz + share * az
+        if qw * w0 + qx * x0 + qy * y0 + qz * z0 < 0.0:
+            share = -share
+        w, x, y, z = w + share * qw, x + share * qx, y + share * qy, z + share * qz
+    length = math.sqrt(w * w + x * x + y * y + z * z)
+    if length <= _NOBODY:
+        length = 1.0
+    return px, py, pz, w / length, x / length, y / length, z / length
 
 
 _NO_MERGE = _Merge([Contribution(0, np.zeros(260))])
