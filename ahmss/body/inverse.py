@@ -84,10 +84,12 @@ def _solve_one(measures: _Measures, out: Array, root: Array, targets: list[list[
     body = _Body(FLOATS, measures, rows, root.tolist())
     if targets[GAZE][7] > 0.0:
         body.look(targets[GAZE])
+    trunk = _trunk(measures, rows, body.root)
     for limb, target in zip(measures.limbs, targets, strict=False):
         if target[7] > 0.0:
             free = target[3] == target[4] == target[5] == target[6] == 0.0
-            rows[limb.first : limb.first + 3] = body.reach(limb, target, free=free)
+            solved = None if free else solve_usual(limb, *trunk[limb.first in _ON_SPINE], rows, target)
+            rows[limb.first : limb.first + 3] = solved or body.reach(limb, target, free=free)
     out[:_ROWS] = rows
 
 
@@ -145,10 +147,6 @@ class _Body:
         if rotation is not None:
             rotation = relative(parent, rotation)
         given = (self.rows[limb.first], self.rows[limb.first + 1], self.rows[limb.first + 2])
-        if self.m is FLOATS and rotation is not None:
-            solved = solve_usual(limb, given, place, rotation, target[7])
-            if solved is not None:
-                return solved
         return solve_limb(self.m, limb, given, Goal(place, rotation, target[7]))
 
     def _seen_from_hips(self, place: Vector) -> Vector:
@@ -222,23 +220,22 @@ def _ends(skeleton: Skeleton, rotations: Array, root: Array, chosen: slice) -> A
 
 def _chains_one(measures: _Measures, chosen: slice, rows: Any, root: Any) -> list[Any]:
     """The same for one pose in plain floats."""
+    trunk = _trunk(measures, rows, root)
+    return [end_of(limb, *trunk[limb.first in _ON_SPINE], rows) for limb in measures.limbs[chosen]]
+
+
+def _trunk(measures: _Measures, rows: Any, root: Any) -> tuple[tuple[Vector, Quaternion], tuple[Vector, Quaternion]]:
+    """What legs hang on, the hips, and what arms do, the spine: place and rotation in the world."""
     q_hips = rows[_HIPS]
-    q_spine = multiply(q_hips, rows[_SPINE])
-    spine = _add(root, rotate(q_hips, measures.spine))
-    return [
-        end_of(limb, *((spine, q_spine) if limb.first in _ON_SPINE else (root, q_hips)), rows)
-        for limb in measures.limbs[chosen]
-    ]
+    return (root, q_hips), (_add(root, rotate(q_hips, measures.spine)), multiply(q_hips, rows[_SPINE]))
 
 
 def _chains(measures: _Measures, chosen: slice, rows: Any, root: Any) -> list[Any]:
     """Place and rotation of the ends of some limbs, component by component, along their chains only."""
-    q_hips = rows[_HIPS]
-    q_spine = multiply(q_hips, rows[_SPINE])
-    spine = _add(root, rotate(q_hips, measures.spine))
+    trunk = _trunk(measures, rows, root)
     frames: list[Any] = []
     for limb in measures.limbs[chosen]:
-        place, q_parent = (spine, q_spine) if limb.first in _ON_SPINE else (root, q_hips)
+        place, q_parent = trunk[limb.first in _ON_SPINE]
         q_upper = multiply(q_parent, rows[limb.first])
         q_lower = multiply(q_upper, rows[limb.first + 1])
         q_end = multiply(q_lower, rows[limb.first + 2])

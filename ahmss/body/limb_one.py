@@ -15,12 +15,34 @@ from ahmss.body.limb import SOFTEST, STRAIGHT, SWIVEL, Limb, Rotations
 __all__ = ["end_of", "solve_usual"]
 
 
-def solve_usual(limb: Limb, given: Rotations, place: Vector, rotation: Quaternion, share: float) -> Rotations | None:
-    """The rotations of `solve_limb` for one pose and a goal with a rotation; None in what is rare and left to it.
+def solve_usual(
+    limb: Limb, parent: Vector, q_parent: Quaternion, rows: Sequence[Quaternion], target: Sequence[float]
+) -> Rotations | None:
+    """The rotations of `solve_limb` for one pose and a target with a rotation; None in what is rare and left to it.
 
     That is a limb that is to point where its own opposite was, or whose hinge has no plane.
+
+    Args:
+        limb: its measures.
+        parent: the parent's joint in the world, metres.
+        q_parent: the parent's rotation, world <- parent.
+        rows: the rotations of all links, parent <- child.
+        target: place, rotation, weight (8), world.
     """
-    (uw, ux, uy, uz), (lw, lx, ly, lz), (ew, ex, ey, ez) = given
+    (uw, ux, uy, uz), (lw, lx, ly, lz), (ew, ex, ey, ez) = rows[limb.first : limb.first + 3]
+    x, y, z, rw, rx, ry, rz, share = target
+    # The target as the parent sees it.
+    w, a, b, c = q_parent
+    px, py, pz = parent
+    x, y, z = x - px, y - py, z - pz
+    tx, ty, tz = 2.0 * (c * y - b * z), 2.0 * (a * z - c * x), 2.0 * (b * x - a * y)
+    x, y, z = x + w * tx - b * tz + c * ty, y + w * ty - c * tx + a * tz, z + w * tz - a * ty + b * tx
+    rw, rx, ry, rz = (
+        w * rw + a * rx + b * ry + c * rz,
+        w * rx - a * rw - b * rz + c * ry,
+        w * ry + a * rz - b * rw - c * rx,
+        w * rz - a * ry + b * rx - c * rw,
+    )
     ax, ay, az = limb.upper
     # b: the lower bone, in the frame of the given upper link.
     vx, vy, vz = limb.lower
@@ -32,7 +54,6 @@ def solve_usual(limb: Limb, given: Rotations, place: Vector, rotation: Quaternio
     gx, gy, gz = limb.grip
     gripped = gx != 0.0 or gy != 0.0 or gz != 0.0
     # x, y, z: the place, seen from the upper joint.
-    x, y, z = place
     px, py, pz = limb.base
     x, y, z = x - px, y - py, z - pz
     tx, ty, tz = 2.0 * (uz * y - uy * z), 2.0 * (ux * z - uz * x), 2.0 * (uy * x - ux * y)
@@ -45,7 +66,6 @@ def solve_usual(limb: Limb, given: Rotations, place: Vector, rotation: Quaternio
             y0 += gy + qw * ty + qz * tx - qx * tz
             z0 += gz + qw * tz + qx * ty - qy * tx
         x, y, z = x0 + share * (x - x0), y0 + share * (y - y0), z0 + share * (z - z0)
-    rw, rx, ry, rz = rotation
     iw, ix, iy, iz = (
         uw * rw + ux * rx + uy * ry + uz * rz,
         uw * rx - ux * rw - uy * rz + uz * ry,
@@ -179,17 +199,17 @@ def solve_usual(limb: Limb, given: Rotations, place: Vector, rotation: Quaternio
     return (mw, mx, my, mz), (nw, nx, ny, nz), (fw, fx, fy, fz)
 
 
-def end_of(limb: Limb, place: Vector, q_parent: Quaternion, rows: Sequence[Quaternion]) -> tuple[float, ...]:
+def end_of(limb: Limb, parent: Vector, q_parent: Quaternion, rows: Sequence[Quaternion]) -> tuple[float, ...]:
     """Place and rotation (7) of a limb's grip in the world, by (4.9) and (4.10).
 
     Args:
         limb: its measures.
-        place: the parent's joint in the world, metres.
+        parent: the parent's joint in the world, metres.
         q_parent: the parent's rotation, world <- parent.
         rows: the rotations of all links, parent <- child.
     """
     w, a, b, c = q_parent
-    px, py, pz = place
+    px, py, pz = parent
     for (x, y, z), (rw, rx, ry, rz) in (
         (limb.base, rows[limb.first]),
         (limb.upper, rows[limb.first + 1]),

@@ -12,6 +12,8 @@ from ahmss.body.limb_one import solve_usual
 from .strategies import natural_pose, random_rotations, seeds, turn
 from .test_inverse import SKELETON, targets_of
 
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+
 
 def as_floats(*quaternions):
     return tuple(tuple(q.tolist()) for q in quaternions)
@@ -26,7 +28,8 @@ def test_both_give_the_same_rotations(seed, row, share, spread):
     place = tuple((np.array(limb.base) + rng.normal(size=3) * 0.4).tolist())
     (goal,) = as_floats(rotation)
     given_rotations = as_floats(upper, lower, end)
-    usual = solve_usual(limb, given_rotations, place, goal, share)
+    rows = [UNTURNED] * limb.first + list(given_rotations)
+    usual = solve_usual(limb, (0.0, 0.0, 0.0), UNTURNED, rows, (*place, *goal, share))
     assert usual is not None
     assert np.allclose(usual, solve_limb(FLOATS, limb, given_rotations, Goal(place, goal, share)), rtol=0, atol=1e-12)
 
