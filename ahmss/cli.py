@@ -67,7 +67,7 @@ def demo(
 @app.command()
 def up(
     human: Annotated[str, typer.Option(help="The human's name.")] = "ken",
-    body: Annotated[str, typer.Option(help="Which body of humandb.")] = "",
+    body: Annotated[str, typer.Option(help="Which body of humandb; left out: of that name.")] = "",
     scene: Annotated[str, typer.Option(help="A kind of object to add at first; empty: none.")] = "room",
     address: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where the server listens.")] = "",
     workspace: Workspace = None,
@@ -102,7 +102,7 @@ def server(
 @app.command("main")
 def main_process(
     human: Annotated[str, typer.Option(help="The human's name in the world.")] = "ken",
-    body: Annotated[str, typer.Option(help="Which body of humandb; left out: the first.")] = "",
+    body: Annotated[str, typer.Option(help="Which body of humandb; left out: of that name.")] = "",
     at: Annotated[tuple[float, float], typer.Option(metavar="X Y", help="Where it stands, metres.")] = (0.0, 0.0),
     facing: Annotated[float, typer.Option(help="Its heading, degrees.")] = 0.0,
     server: Server = "",
@@ -175,6 +175,12 @@ def view(
     at: Annotated[float | None, typer.Option(help="Seconds into the recording, for the snapshot.")] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, in pixels.")] = "1280x720",
     camera: Annotated[str, typer.Option(help="auto, front, back, left, right, top or close.")] = "auto",
+    position: Annotated[
+        tuple[float, float, float] | None, typer.Option(metavar="X Y Z", help="Where the camera stands, metres.")
+    ] = None,
+    look_at: Annotated[
+        tuple[float, float, float] | None, typer.Option(metavar="X Y Z", help="What it looks at, metres.")
+    ] = None,
     follow: Annotated[str, typer.Option(metavar="HUMAN", help="Keep this human in the middle.")] = "",
     names: Annotated[bool, typer.Option(help="Write names into the picture.")] = False,
     request: Annotated[bool, typer.Option(help="Ask for each world, as the thesis's viewer did.")] = False,
@@ -188,8 +194,8 @@ def view(
 
     options = ViewOptions(
         address=server, keys=keys, replay=replay, headless=headless, record=record, snapshot=snapshot, sheet=sheet,
-        every=every, size=_size(size), request=request, camera=camera, follow=follow, at=at, seconds=seconds,
-        names=names,
+        every=every, size=_size(size), request=request, camera=camera, position=position, look_at=look_at,
+        follow=follow, at=at, seconds=seconds, names=names,
     )  # fmt: skip
     watch(options, as_json=as_json)
 
@@ -269,12 +275,20 @@ def doctor(as_json: Json = False) -> None:
         raise typer.Exit(1)
 
 
-@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []})
-def bench(context: typer.Context) -> None:
-    """Measure start times and rates against the goals. Example: ahmss bench --json"""
-    from ahmss.bench.run import main as measure  # pyright: ignore
+@app.command()
+def bench(
+    what: Annotated[
+        list[str] | None, typer.Argument(help="start, compute, display, server, latency, body; left out: all.")
+    ] = None,
+    as_json: Json = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="A table for the documentation.")] = False,
+    scale: Annotated[bool, typer.Option("--scale", help="How the cost grows, with a plot.")] = False,
+) -> None:
+    """Measure start times and rates against the goals. Example: ahmss bench --json start compute"""
+    from ahmss.bench.run import main as measure
 
-    raise typer.Exit(measure(context.args))
+    flags = {"--json": as_json, "--markdown": markdown, "--scale": scale}
+    raise typer.Exit(measure([*(what or []), *(flag for flag, given in flags.items() if given)]))
 
 
 @motion_app.command()

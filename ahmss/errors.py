@@ -42,6 +42,7 @@ class DataError(AhmssError):
     def __init__(self, file: Path | str, place: str, message: str) -> None:
         self.file = str(file)
         self.place = place
+        self.message = message
         where = f"{file}: {place}" if place else f"{file}"
         super().__init__(f"{where}: {message}")
 

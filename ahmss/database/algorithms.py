@@ -23,6 +23,9 @@ __all__ = ["AlgorithmFile", "AlgorithmFinder", "NotBuilt", "ParameterEntry"]
 class NotBuilt(DataError):
     """The program is to be compiled first; its folder has a Makefile."""
 
+    name = ""
+    kind = ""
+
 
 class ParameterEntry(msgspec.Struct, forbid_unknown_fields=True):
     """[parameters.NAME] of algorithm.toml."""
@@ -136,7 +139,9 @@ class AlgorithmFinder:
             raise document.error(("argv",), str(error)) from None
         if not path.is_file() and (folder / "Makefile").is_file():
             place = f"{self.workspace.label(folder)}"
-            raise NotBuilt(document.label, "argv", f'"{script}" is not built yet; type: make -C {place}')
+            error = NotBuilt(document.label, "argv", f'"{script}" is not built yet; type: make -C {place}')
+            error.name, error.kind = folder.name, str(document.data.get("kind", ""))
+            raise error
         if not path.is_file():
             raise document.error(("argv",), f'no file "{script}" in {self.workspace.label(folder)}')
         if argv[0] == "python":

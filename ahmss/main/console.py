@@ -26,11 +26,11 @@ _HELP = """\
 Answer the question, or type a whole line:
   do cup grasp                          one motion
   do cup reach with television look     two motions at once (fused)
-  do floor walk to 2 1 facing 90        with a goal
+  do cup put to 0.42 -0.15 0.88         with a goal
   do cup grasp frames 60 after 20       in 60 frames, beginning 20 frames later
   add cup at 1 2 0.8 facing 90          an object at x y z, turned by degrees
   add                                   an object, question by question
-  remove cup   set lamp power on   wait 1.5   wait lamp power == on
+  remove cup   set lamp light off   wait 1.5   wait lamp light == off
 Other words: undo (the last answer), list (the objects), stop (the motion; also Ctrl-C), quit (also Ctrl-D).\
 """
 

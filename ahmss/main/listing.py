@@ -12,6 +12,7 @@ import msgspec
 from rich.console import Console
 from rich.table import Table
 
+from ahmss.database.algorithms import NotBuilt
 from ahmss.database.check import check
 from ahmss.database.records import AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
@@ -59,12 +60,16 @@ def check_workspace(directory: Path | None, *, as_json: bool) -> int:
 
 
 def clip_quality(path: Path, *, as_json: bool) -> None:
-    """Measure a clip as it is, on usual proportions."""
+    """Measure a clip as it is, on usual proportions; of keyframes what is between them, one second of it."""
     from ahmss.body.skeleton import Skeleton
     from ahmss.motion.clip import load
     from ahmss.motion.quality import measure
+    from ahmss.motion.resample import resample
 
     clip = load(path)
+    if clip.header.times is not None:
+        print(f"{path}: {clip.frames} keyframes; measured with the frames between them, at 1 s in all", file=sys.stderr)
+        clip = resample(clip, round(clip.rate))
     if clip.frames < 3:
         raise CommandError(f"{path}: {clip.frames} frames are too few to measure; 3 at least")
     quality = measure(clip.rotations, clip.root, clip.rate, Skeleton.of(), clip.contacts)
@@ -109,8 +114,10 @@ def _algorithms(workspace: Workspace) -> Rows:
     for entry in workspace.algorithms.list():
         if isinstance(entry, AlgorithmEntry):
             rows.append({"name": entry.name, "kind": entry.kind, "sentence": entry.sentence})
+        elif isinstance(entry, NotBuilt):
+            rows.append({"name": entry.name, "kind": entry.kind, "sentence": entry.message})
         else:
-            rows.append({"name": "", "kind": "", "sentence": str(entry)})
+            rows.append({"name": Path(entry.file).parent.name, "kind": "broken", "sentence": str(entry)})
     return rows
 
 

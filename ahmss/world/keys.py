@@ -4,6 +4,7 @@
     keys/server.pub         the server's public key: copy it to every client
     keys/client.key         a client's pair: only on that client's machine, mode 0600
     keys/authorised/NAME    public keys of the clients that the server lets in
+    keys/NAME/              the same for a further client: its client.key and server.pub, to be taken to its machine
 
 A file holds `public = KEY`, and in a `.key` also `secret = KEY`, as the 40 characters of ZeroMQ's Z85.
 """
@@ -66,26 +67,40 @@ def require_curve() -> None:
 
 
 def make(directory: Path, name: str = "client") -> list[Path]:
-    """Make what is missing of a server's and a client's pair, and authorise the client; returns the files made."""
+    """Make what is missing of a server's and a client's pair, and authorise the client; returns the files made.
+
+    The first client's pair stays in the directory; each further name gets one in a directory of its own.
+    """
     require_curve()
+    _check_name(name)
     (directory / "authorised").mkdir(parents=True, exist_ok=True)
     directory.chmod(0o700)
     made: list[Path] = []
     if not (directory / "server.key").exists():
         public, secret = zmq.curve_keypair()
         made += [_write(directory / "server.key", public, secret), _write(directory / "server.pub", public)]
-    if not (directory / "client.key").exists():
+    if not (directory / "authorised" / name).exists():
+        first = not (directory / "client.key").exists()
+        own = directory if first else directory / name
+        own.mkdir(mode=0o700, exist_ok=True)
         public, secret = zmq.curve_keypair()
-        made += [_write(directory / "client.key", public, secret), authorise(directory, name, public)]
+        made += [_write(own / "client.key", public, secret), authorise(directory, name, public)]
+        if not first:
+            made.append(_write(own / "server.pub", _read(directory / "server.pub")["public"]))
     return made
 
 
 def authorise(directory: Path, name: str, public: bytes) -> Path:
     """Let the client with this public key in, from the server's next start on."""
-    if not name.replace("-", "").replace("_", "").isalnum():
-        raise WorldError(f'"{name}" is no name for a client: use letters, digits, - and _')
+    _check_name(name)
     (directory / "authorised").mkdir(parents=True, exist_ok=True)
     return _write(directory / "authorised" / name, public)
+
+
+def _check_name(name: str) -> None:
+    """WorldError for what is no name of a client: it names files."""
+    if not name.replace("-", "").replace("_", "").isalnum() or name in ("authorised", "server", "client.key"):
+        raise WorldError(f'"{name}" is no name for a client: use letters, digits, - and _')
 
 
 def read_server(directory: Path) -> ServerKeys:

@@ -25,8 +25,14 @@ def test_keys_are_made_once_and_closed_to_others(tmp_path):
     assert client.server == server.public
     assert server.authorised == {client.public}
     assert len({server.secret, client.secret, server.public, client.public}) == 4
-    assert keys.make(directory) == []
+    assert keys.make(directory, "desk") == []
     assert keys.read_client(directory) == client
+    assert {path.relative_to(directory).as_posix() for path in keys.make(directory, "lab")} == {
+        "lab/client.key", "lab/server.pub", "authorised/lab",
+    }  # fmt: skip
+    lab = keys.read_client(directory / "lab")
+    assert lab.server == server.public
+    assert keys.read_server(directory).authorised == {client.public, lab.public}
 
 
 def test_wrong_keys_are_one_sentence(tmp_path, monkeypatch):
