@@ -140,7 +140,7 @@ class _Watch:
         text = self.pace.text()
         if self.source.silent:
             text += "\nno news from the server; this is the last that was seen"
-        return [self.studio.writer.flat(text, 10, 10)]
+        return [self.studio.writer.flat(text.strip(), 10, 10)] if text else []
 
     def _film(self, movie: Movie, picture: NDArray[np.uint8], seconds: float) -> None:
         """Keep the film at the wall's time: a picture stands until the next one."""

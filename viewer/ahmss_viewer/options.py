@@ -39,7 +39,7 @@ class ViewOptions:
         seconds: stop after so long (live: since the start; a recording: of its own time).
         rate: pictures a second of the MP4; 0 is the recording's own, or 30 live.
         names: write the names of objects and humans into the picture.
-        overlay: write frame rate and age into a live picture.
+        overlay: write frame rate and age into a live picture; None: in a window only.
         fine: smooth edges and soft shadows; None: for recordings only.
     """
 
@@ -61,7 +61,7 @@ class ViewOptions:
     seconds: float | None = None
     rate: float = 0.0
     names: bool = False
-    overlay: bool = True
+    overlay: bool | None = None
     fine: bool | None = None
 
     def __post_init__(self) -> None:
@@ -115,6 +115,8 @@ class ViewReport:
 
     def __str__(self) -> str:
         """One line for a person."""
+        if not self.pictures and self.draws:
+            return f"{self.source}: one picture of {self.size[0]}x{self.size[1]}"
         text = f"{self.source}: {self.pictures} pictures of {self.size[0]}x{self.size[1]} in {self.seconds:.1f} s"
         text += f", {self.frames_per_s:.1f} frames/s"
         if self.ages:

@@ -42,10 +42,10 @@ class Pace:
         return len(self._recent) / total if total else 0.0
 
     def text(self) -> str:
-        """Two lines for the overlay, renewed twice a second."""
+        """Two lines for the overlay, renewed twice a second; nothing before the second picture."""
         now = time.perf_counter()
         if self._recent and now - self._said[0] > 0.5:
             age = sum(age for _, age in self._recent) / len(self._recent)
             older = f"\nworld {1e3 * age:.0f} ms old" if self.ages else ""
             self._said = (now, f"{self.rate():.0f} frames/s{older}")
-        return self._said[1] or "waiting for the world"
+        return self._said[1]

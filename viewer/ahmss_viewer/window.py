@@ -78,7 +78,7 @@ class _Viewer:
         self.aim = Aim(options)
         self.view = View()
         self.aimed = self.paused = self.closed = False
-        self.names, self.overlay = options.names, options.overlay
+        self.names, self.overlay = options.names, options.overlay is not False
         self.help: bool | None = None  # nobody has asked: at first it is shown
         self.following: Follower | None = Follower(options.follow) if options.follow else None
         self.begun = time.monotonic()
@@ -124,8 +124,9 @@ class _Viewer:
     def _flats(self, size: tuple[int, int]) -> list[Flat]:
         """What is written over the picture."""
         flats = name_flats(self.stage, self.view, size, self.writer) if self.names else []
-        if self.overlay:
-            flats.append(self.writer.flat(self._state(), 10, 10))
+        state = self._state() if self.overlay else ""
+        if state:
+            flats.append(self.writer.flat(state, 10, 10))
         asked = self.help if self.help is not None else time.monotonic() - self.begun < _HELP_S
         if asked:
             text = _HELP + (_REPLAY_HELP if isinstance(self.feed, ReplayFeed) else "")
@@ -141,7 +142,7 @@ class _Viewer:
         if self.following is not None:
             lines.append(f"following {self.following.name}")
         lines += self.mirror.problems[-2:]
-        return "\n".join(lines)
+        return "\n".join(filter(None, lines))
 
     def _report(self) -> ViewReport:
         report = ViewReport(self.feed.name, tuple(self.window.get_size()), self.pace.pictures, self.pace.seconds)
