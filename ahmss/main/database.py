@@ -82,14 +82,14 @@ class Database:
     def __init__(self, workspace: Workspace) -> None:
         self.workspace = workspace
 
-    def human(self, body: str) -> HumanModel:
-        """A human model; the first of humandb/ where `body` is empty."""
+    def human(self, body: str, name: str = "") -> HumanModel:
+        """A human model; where `body` is empty the one called like the human, or the first of humandb/."""
         names = self.workspace.humans.names()
         if not body and not names:
             raise WorkspaceError(
                 f"{self.workspace.root}/humandb: no human there; `ahmss init DIR` lays out a workspace"
             )
-        return self.workspace.humans.get(body or names[0])
+        return self.workspace.humans.get(body or (name if name in names else names[0]))
 
     def order(self, act: Act, scene: Scene, actor: Actor) -> Order:
         """Resolve an act: its object, the action that it affords, the algorithms, the goal.

@@ -87,7 +87,7 @@ class MainProcess:
         self.setup, self._say = setup, say
         self.workspace = Workspace.find(setup.workspace)
         self.database = Database(self.workspace)
-        model = self.database.human(setup.body)
+        model = self.database.human(setup.body, setup.human)
         rotations, root = standing(model, setup.place, setup.facing_deg)
         deadlines = Deadlines(frame=_FAST_PATIENCE) if setup.fast else Deadlines()
         self._client = WorldClient(setup.server, keys=setup.keys, follow=not setup.lockstep)

@@ -117,7 +117,12 @@ class Sockets:
         anywhere = f"tcp://{address.host}:*"
         self.router.bind(address.endpoint() if address.port else anywhere)
         port = _port(self.router)
-        self.publisher.bind(address.endpoint(port + 1) if address.port else anywhere)
+        try:
+            self.publisher.bind(address.endpoint(port + 1) if address.port else anywhere)
+        except zmq.ZMQError as error:
+            if error.errno != zmq.EADDRINUSE or not address.is_loopback:
+                raise  # other machines are let through to these two ports
+            self.publisher.bind(anywhere)
         return Address(address.host, port), _port(self.publisher)
 
 
