@@ -110,7 +110,8 @@ class Agenda:
                 self._wait(line)
             case Sync():
                 if len(self._setup.names) > 1:
-                    self._await(self._main.communication.sync(str(step.number), self._setup.names), step)
+                    scene = self._main.communication
+                    self._await(scene.sync(str(step.number), self._setup.names), step, unseen=scene.news())
             case Add() as line:
                 self._add(line, step)
             case Remove(name=name):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 import numpy as np
@@ -18,7 +18,7 @@ from ahmss.errors import WorldError
 from ahmss.main.command import Add
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
-from ahmss.world.schema import Claim, NewObject, ObjectRecord, Release, SetState, StateChange, StateValue
+from ahmss.world.schema import Claim, GetScene, NewObject, ObjectRecord, Release, SetState, StateChange, StateValue
 from ahmss.world.view import World
 
 __all__ = ["Communication"]
@@ -178,6 +178,20 @@ class Communication:
     def sync(self, line: str, names: Sequence[str]) -> Pending:
         """Come to a line of the script."""
         return self.client.sync(self.human, line, names)
+
+    def news(self) -> Callable[[], bool]:
+        """Whether the scene as the server has it at the first call is still under way; in lockstep each tick brings it.
+
+        What others have done before a `sync` is so seen by all after it.
+        """
+        asked: list[Pending] = []
+
+        def missing() -> bool:
+            if not asked and not self.lockstep:
+                asked.append(self.client.begin(GetScene()))
+            return not all(pending.done for pending in asked)
+
+        return missing
 
     def leave(self, *, stay: bool) -> None:
         """Leave the world; with `stay` the body stays standing."""

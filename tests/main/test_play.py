@@ -63,6 +63,17 @@ def test_two_humans_play_the_same_twice(script: Path, workspace: Path, tmp_path:
             assert np.abs(rotations[-1] - rotations[0]).max() > 0.1
 
 
+def test_nobody_begins_before_the_scene_is_there_in_real_time_too(workspace: Path, tmp_path: Path) -> None:
+    names = ("ada", "bea", "cay", "dan")
+    lines = ["add box as b at 0.3 0 1"]
+    lines += [f"human {name} body ken at {i} 0" for i, name in enumerate(names)]
+    lines += [f"{name}: do b wave frames 5" for name in names]
+    script = tmp_path / "many.txt"
+    script.write_text("\n".join(lines))
+    report = play_script(script, PlaySetup(workspace=workspace))
+    assert [main["messages"] for main in report.mains] == [[]] * len(names)
+
+
 def test_a_recording_is_played_back_into_a_server(script: Path, workspace: Path, tmp_path: Path) -> None:
     original, copy = tmp_path / "original.rec", tmp_path / "copy.rec"
     play_script(script, PlaySetup(fast=True, record=original, workspace=workspace))
