@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tempfile
+import threading
 from pathlib import Path
+from types import TracebackType
 
+from ahmss.errors import WorldError
 from ahmss.main.command import Add
 from ahmss.main.console import run_console
 from ahmss.main.demo import has_display
@@ -13,7 +17,57 @@ from ahmss.main.process import Setup
 from ahmss.world.address import PORT
 from ahmss.world.process import ServerProcess
 
-__all__ = ["run_up"]
+__all__ = ["KeptServer", "run_up"]
+
+_LOOK_S = 0.2
+_TRIES = 5
+
+
+class KeptServer:
+    """A server that is started again when it dies, at the same address with all that was placed; a context manager.
+
+    Raises:
+        WorldError: it can't be started at first.
+    """
+
+    def __init__(self, address: str) -> None:
+        self._directory = tempfile.TemporaryDirectory(prefix="ahmss-")
+        self._over = threading.Event()
+        try:
+            self.process = self._start(address)
+        except WorldError:
+            self._directory.cleanup()
+            raise
+        self.address = self.process.address
+        self._thread = threading.Thread(target=self._keep, name="server", daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> KeptServer:
+        """The server itself."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Stop it."""
+        self._over.set()
+        self._thread.join()
+        self.process.stop()
+        self._directory.cleanup()
+
+    def _start(self, address: str) -> ServerProcess:
+        return ServerProcess(address, directory=Path(self._directory.name) / "world")
+
+    def _keep(self) -> None:
+        failed = 0
+        while not self._over.wait(_LOOK_S) and failed < _TRIES:
+            if self.process.running:
+                continue
+            self.process.kill()  # closes what is left of it
+            try:
+                self.process = self._start(self.address)
+                failed = 0
+            except WorldError as error:
+                failed += 1
+                print(f"{error}; tried {failed} times of {_TRIES}", flush=True)
 
 
 def run_up(human: str, body: str, scene: str, address: str, workspace: Path | None) -> int:
@@ -22,7 +76,11 @@ def run_up(human: str, body: str, scene: str, address: str, workspace: Path | No
     Raises:
         AhmssError: the port is taken, or no such body.
     """
-    with ServerProcess(address or f"127.0.0.1:{PORT}") as server:
+    try:
+        kept = KeptServer(address or f"127.0.0.1:{PORT}")
+    except WorldError as error:
+        raise WorldError(f"{error}, as in: ahmss up --address 127.0.0.1:{PORT + 100}") from None
+    with kept as server:
         viewer = _viewer(server.address)
         if viewer is None:
             print(f"no display for a window; pictures: ahmss view --server {server.address} --snapshot picture.png")

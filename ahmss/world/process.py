@@ -66,6 +66,11 @@ class ServerProcess:
         """Its process id."""
         return self._process.pid
 
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended by itself."""
+        return self._process.poll() is None
+
     def __enter__(self) -> ServerProcess:
         """The process itself."""
         return self
