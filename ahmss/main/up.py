@@ -54,7 +54,8 @@ class KeptServer:
         self._directory.cleanup()
 
     def _start(self, address: str) -> ServerProcess:
-        return ServerProcess(address, directory=Path(self._directory.name) / "world")
+        own = Path(self._directory.name)
+        return ServerProcess(address, directory=own / "world", log=own / "server.log")
 
     def _keep(self) -> None:
         failed = 0
