@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from ahmss_viewer.camera import View, look_at, project
+from ahmss_viewer.choosing import best_view, clear_preset, preset, without_hidden
 from ahmss_viewer.figure import plain_figure
-from ahmss_viewer.framing import Follower, best_view, fit, interest, preset, without_hidden
+from ahmss_viewer.framing import Follower, fit, interest
 from ahmss_viewer.glb import read_glb
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
@@ -66,6 +67,22 @@ def test_presets_stand_where_they_say(stage: Stage, name: str, way: tuple[int, i
     assert wanted is not None
     place = preset(name, wanted, ASPECT).pose()[:3, 3]
     assert place[:2] @ np.array(way) > 1.5
+
+
+@pytest.mark.parametrize(("name", "place"), [("right", (0.0, -0.8)), ("close", (0.6, -0.5))])
+def test_a_preset_looks_past_what_hides_the_human(
+    stage: Stage, painter: Painter, name: str, place: tuple[float, float]
+) -> None:
+    wanted = interest(stage)
+    assert wanted is not None
+    plain = preset(name, wanted, ASPECT)
+    free = clear_preset(name, stage, painter, wanted, ASPECT, None)
+    assert abs(free.azimuth - plain.azimuth) < np.radians(13.0), "with nothing in the way it hardly turns"
+    post = read_glb(box_glb((0.5, 0.5, 4.0), WHITE))
+    stage.add_object(5, "post", post, np.array([*place, 1.0]), UNTURNED)
+    again = clear_preset(name, stage, painter, wanted, ASPECT, None)
+    seen, seen_plain = (len(without_hidden(stage, painter, wanted, view, ASPECT, [wanted])) for view in (again, plain))
+    assert seen > seen_plain
 
 
 def test_following_keeps_the_human_in_the_middle(stage: Stage) -> None:

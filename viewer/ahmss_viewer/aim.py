@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ahmss_viewer.camera import View, look_at
-from ahmss_viewer.framing import Follower, Interest, best_view, interest, preset
+from ahmss_viewer.choosing import best_view, clear_preset
+from ahmss_viewer.framing import Follower, Interest, interest
 from ahmss_viewer.options import ViewOptions
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
@@ -42,7 +43,7 @@ class Aim:
         elif options.camera == "auto":
             self.view = best_view(stage, painter, wanted, aspect, moments)
         else:
-            self.view = preset(options.camera, wanted, aspect)
+            self.view = clear_preset(options.camera, stage, painter, wanted, aspect, moments)
         return self.view
 
     def step(self, stage: Stage, seconds: float, *, whole: bool = False) -> View:

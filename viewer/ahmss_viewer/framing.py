@@ -1,31 +1,21 @@
-"""Finds a good view: the humans and what they touch, from the front and one side, with nothing in between."""
+"""What should be in the picture, how far away the camera stands for it, and how it follows."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
 from ahmss_viewer.camera import View, project
-from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Actor, Stage, Thing
-from ahmss_viewer.target import Target
 
-__all__ = ["Follower", "Interest", "best_view", "fit", "interest", "preset", "shape_of", "without_hidden"]
+__all__ = ["Follower", "Interest", "fit", "interest", "shape_of"]
 
-_SIDES = (40, -40, 60, -60, 22, -22, 85, -85, 120, -120)  # degrees from straight in front
-_HEIGHTS = (14, 27)
-_SMALL = 96  # pixels high
-_NEAR_COST, _SIDE_COST, _HEIGHT_COST = 0.8, 0.45, 0.1
-_INSIDE = 0.14  # metres: a joint lies about so deep under the skin
-_ALWAYS = 0.5  # what weighs more is in the picture whether it is hidden or not
 _REACH, _LARGE = 0.75, 1.8  # what is so near to a hand counts, unless it is so large
 _HANDS = (INDEX["right_hand"], INDEX["left_hand"])
-_PRESETS = {"front": (0, 8), "back": (180, 8), "right": (-90, 8), "left": (90, 8), "top": (0, 80), "close": (-40, 14)}
 
 
 @dataclass(frozen=True)
@@ -61,10 +51,10 @@ def interest(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Int
         centre = thing.centre()
         if thing.id in touched:
             points.append(_inner(thing))
-            weights.append(np.full(len(points[-1]), 2.0 / len(points[-1])))
+            weights.append(np.full(len(points[-1]), 1.0 / len(points[-1])))
         elif float(np.ptp(thing.box, axis=0).max()) < _LARGE and np.linalg.norm(hands - centre, axis=1).min() < _REACH:
             points.append(centre[None])
-            weights.append(np.ones(1))
+            weights.append(np.full(1, 0.5))
     return Interest(np.concatenate(points), np.concatenate(weights), actors[0].facing)
 
 
@@ -77,20 +67,22 @@ def _inner(thing: Thing) -> Array:
 
 
 def _body_weights() -> Array:
-    """Of the 43 joints and the head's top: face and hands say most, a hand's 14 finger joints together as one."""
-    weight = {"head": 1.5, "leg": 0.3, "foot": 0.3, "hand": 1.0, "arm": 0.7, "spine": 0.7}
+    """Of the 43 joints, the head's top and the face: these and the hands say most, a hand's 14 finger joints together
+    as one hand."""
+    weight = {"head": 0.8, "leg": 0.5, "foot": 0.5, "hand": 0.8, "arm": 0.55, "spine": 0.55}
     joints = [next((w for part, w in weight.items() if name.endswith(part)), 1.0 / 14.0) for name in LINKS]
-    return np.array([*joints, 1.5])
+    return np.array([*joints, 0.6, 1.2])
 
 
 _BODY_WEIGHTS = _body_weights()
 
 
 def _body(actor: Actor) -> Array:
-    """Joints, and the head's top: points (44, 3)."""
+    """Joints, the head's top and the face: points (45, 3)."""
     head = actor.places[INDEX["head"]]
     up = head - actor.places[INDEX["hips"]]
-    return np.concatenate([actor.places, (head + 0.26 * up / max(float(np.linalg.norm(up)), 1e-9))[None]])
+    up = up / max(float(np.linalg.norm(up)), 1e-9)
+    return np.concatenate([actor.places, [head + 0.26 * up, head + 0.1 * up + 0.12 * actor.facing]])
 
 
 def fit(view: View, points: Array, aspect: float, filled: float = 0.74) -> View:
@@ -113,84 +105,6 @@ def shape_of(view: View, points: Array) -> float:
     seen = project(points, view, (1000, 1000))[:, :2]
     width, height = np.ptp(seen, axis=0)
     return float(width / max(float(height), 1.0))
-
-
-def preset(name: str, wanted: Interest, aspect: float) -> View:
-    """`front`, `back`, `left`, `right`, `top` of the human, or `close`: at the upper body. KeyError: none of these."""
-    side, height = _PRESETS[name]
-    view = _facing(wanted.facing, side, height)
-    points = wanted.points
-    if name == "close":
-        points = points[points[:, 2] > np.quantile(points[:, 2], 0.2)]
-    return fit(view, points, aspect)
-
-
-def best_view(
-    stage: Stage, painter: Painter, wanted: Interest, aspect: float, moments: Iterable[Interest] | None = None
-) -> View:
-    """The view, of some from the front and the sides, that shows most: each is drawn, small, and looked at.
-
-    Args:
-        wanted: all that should be in the picture.
-        moments: brings the stage to some moments of the motion, one after the other, and gives what matters then;
-            None: only what is on the stage now.
-    """
-    target = Target(round(_SMALL * aspect), _SMALL)
-    views: list[View] = []
-    scores: list[float] = []
-    for height in _HEIGHTS:
-        for side in _SIDES:
-            views.append(fit(_facing(wanted.facing, side, height), wanted.points, aspect))
-            aside = max(0.0, abs(side) - 50.0) / 90.0
-            scores.append(-_SIDE_COST * aside - _HEIGHT_COST * abs(height - 16.0) / 16.0)
-    looked = [wanted] if moments is None else moments
-    faults = np.zeros(len(views))
-    count = 0
-    for moment in looked:
-        count += 1
-        for i, view in enumerate(views):
-            painter.draw_depth(stage, view, target)
-            faults[i] += _faults(moment, view, target)
-    target.delete()
-    return views[int(np.argmax(np.array(scores) - faults / max(count, 1)))]
-
-
-def _facing(facing: Array, side: float, height: float) -> View:
-    """A view at some degrees from straight in front (left of the human is positive), and above level."""
-    azimuth = float(np.arctan2(facing[1], facing[0])) + np.radians(side)
-    return View(azimuth=azimuth, elevation=float(np.radians(height)))
-
-
-def without_hidden(
-    stage: Stage, painter: Painter, wanted: Interest, view: View, aspect: float, moments: Iterable[Interest]
-) -> Array:
-    """What is to be seen of `wanted`, points (n, 3): heads, arms and hands, and of the rest what nothing hides."""
-    target = Target(round(_SMALL * aspect), _SMALL)
-    points = [wanted.points[wanted.weights > _ALWAYS]]
-    for moment in moments:
-        painter.draw_depth(stage, view, target)
-        points.append(moment.points[~_hidden(moment.points, view, target, target.read_depth())])
-    target.delete()
-    return np.concatenate(points)
-
-
-def _hidden(points: Array, view: View, target: Target, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Which of the points (n, 3) lie behind what was drawn."""
-    P = view.projection(target.drawn[0] / target.drawn[1])
-    metres = P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2])
-    seen = project(points, view, target.drawn)
-    column = np.clip(seen[:, 0].astype(int), 0, target.drawn[0] - 1)
-    row = np.clip(seen[:, 1].astype(int), 0, target.drawn[1] - 1)
-    return metres[row, column] < seen[:, 2] - _INSIDE
-
-
-def _faults(wanted: Interest, view: View, target: Target) -> float:
-    """The share of what matters that something hides, and some of the share of the picture that stands too near."""
-    depth = target.read_depth()
-    P = view.projection(target.drawn[0] / target.drawn[1])
-    near = P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2]) < 0.45 * view.distance
-    hidden = np.average(_hidden(wanted.points, view, target, depth), weights=wanted.weights)
-    return float(hidden + _NEAR_COST * near.mean())
 
 
 class Follower:

@@ -93,14 +93,19 @@ class _Watch:
                     Movie(self.options.record, self.size, self.options.rate or _RATE, quick=True)
                 )
             picture: NDArray[np.uint8] | None = None
+            shown = -1.0  # when the first world was there that holds something
             while not self.stop.asked and not self._over(begin):
                 fresh = self.source.wait(0.02 if movie is not None else 0.1)
                 if fresh or (picture is not None and self.source.silent):
                     picture = self._draw(fresh=fresh)
-                if picture is not None and movie is not None:
-                    self._film(movie, picture, time.monotonic() - begin)
+                if shown < 0.0 and (self.studio.stage.actors or self.studio.stage.things):
+                    shown = time.monotonic()
+                if picture is not None and movie is not None and shown >= 0.0:
+                    self._film(movie, picture, time.monotonic() - shown)
                 if picture is not None and self._snapshot(picture, time.monotonic() - begin):
                     break
+            if movie is not None and picture is not None and not movie.frames:
+                movie.add(picture)  # nobody came: the empty world
         self._finish()
         return self.report
 

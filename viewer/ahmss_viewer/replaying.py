@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ahmss.errors import CommandError, DataError
 from ahmss_viewer.aim import Aim
 from ahmss_viewer.camera import View
-from ahmss_viewer.framing import Interest, fit, interest, shape_of, without_hidden
+from ahmss_viewer.choosing import without_hidden
+from ahmss_viewer.framing import Interest, fit, interest, shape_of
 from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.movie import Movie, check_writable
 from ahmss_viewer.options import ViewOptions, ViewReport
