@@ -22,6 +22,7 @@ from ahmss.main.command import parse
 from ahmss.main.process import MainProcess, Setup
 from ahmss.main.script import Step
 from ahmss.world.process import ServerProcess
+from ahmss.world.schema import NewObject
 
 __all__ = ["CASES", "Rig", "compute_fps", "rig"]
 
@@ -91,12 +92,22 @@ def rig(workspace: Workspace, objects: int = 0) -> Generator[Rig]:
             main = MainProcess(setup, said.append)
             try:
                 one = Rig(main)
-                spare = (f"add other as spare_{i} at 50 {i}" for i in range(objects))
-                for line in ("add thing", "add other", *spare):
+                for line in ("add thing", "add other"):
                     one.carry_out(line)
+                _crowd(main, objects)
                 yield one
             finally:
                 main.close()
+
+
+def _crowd(main: MainProcess, objects: int) -> None:
+    """Fill the world with objects far away, a thousand in a request."""
+    client = main.communication.client
+    for first in range(0, objects, 1000):
+        numbers = range(first, min(first + 1000, objects))
+        client.add([NewObject(f"spare_{i}", "other", (50.0, float(i), 0.0), (1.0, 0.0, 0.0, 0.0)) for i in numbers])
+    for _ in range(3):  # in lockstep a tick brings them
+        main.frame()
 
 
 def _own_workspace(workspace: Workspace, folder: Path) -> Workspace:

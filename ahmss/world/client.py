@@ -44,6 +44,7 @@ from ahmss.world.view import World
 __all__ = ["WorldClient"]
 
 _MOST_REFUSALS = 100
+_SCENES = 20  # how often `refresh` asks for a scene that fits the snapshot
 _BUNDLE = 8
 _AHEAD = 32
 _READABLE = int(zmq.POLLIN)
@@ -234,7 +235,9 @@ class WorldClient:
     def refresh(self) -> World:
         """Ask for the scene and the present snapshot (a viewer with `--request`; a main after `join`)."""
         self._see(self._ask(schema.GetSnapshot(), Snapshot))
-        while self._shown is None or self._shown.revision != self.world.revision:
+        for _ in range(_SCENES):  # in lockstep the snapshot is of the last tick, the scene may be of the next
+            if self._shown is not None and self._shown.revision == self.world.revision:
+                break
             self._ask(schema.GetScene(), Scene)
             self._see(self._ask(schema.GetSnapshot(), Snapshot))
         return self.world
