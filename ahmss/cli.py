@@ -9,6 +9,8 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
+from ahmss.cli_capture import capture_app
+from ahmss.cli_motion import motion_app
 from ahmss.errors import AhmssError
 
 __all__ = ["app", "main"]
@@ -18,9 +20,9 @@ app = typer.Typer(
     help="Virtual humans that act on objects which know how.",
 )  # fmt: skip
 new_app = typer.Typer(no_args_is_help=True, help="Write a working start of an object or an algorithm.")
-motion_app = typer.Typer(no_args_is_help=True, help="Look at motion clips.")
 app.add_typer(new_app, name="new")
 app.add_typer(motion_app, name="motion")
+app.add_typer(capture_app, name="capture")
 
 Server = Annotated[str, typer.Option("--server", metavar="HOST[:PORT]", help="The server; left out: this machine's.")]
 Keys = Annotated[Path | None, typer.Option("--keys", metavar="DIR", help="Keys for a server on another machine.")]
@@ -289,14 +291,6 @@ def bench(
 
     flags = {"--json": as_json, "--markdown": markdown, "--scale": scale}
     raise typer.Exit(measure([*(what or []), *(flag for flag, given in flags.items() if given)]))
-
-
-@motion_app.command()
-def quality(file: Annotated[Path, typer.Argument(help="A motion clip, .npz.")], as_json: Json = False) -> None:
-    """How smooth a clip is, and whether its feet stay. Example: ahmss motion quality objectdb/cup/reach.npz"""
-    from ahmss.main.listing import clip_quality
-
-    clip_quality(file, as_json=as_json)
 
 
 def _size(text: str) -> tuple[int, int]:
