@@ -5,10 +5,6 @@ The format is described in docs/conventions.md. What a file holds is checked her
 
 from __future__ import annotations
 
-import io
-import tokenize
-import zipfile
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -20,6 +16,7 @@ from ahmss.body.array import Array
 from ahmss.body.links import LINKS
 from ahmss.body.quaternion import norm, normalize
 from ahmss.errors import DataError
+from ahmss.motion import archive
 
 __all__ = ["VERSION", "Clip", "ClipHeader", "load", "save"]
 
@@ -34,12 +31,6 @@ _SHAPES: dict[str, tuple[int, ...]] = {  # without the leading frames
     "targets": (5, 8),
 }
 _OPTIONAL = ("targets",)
-_LARGEST = 256 * 2**20  # bytes of one array once unpacked: some 20 hours at 60 Hz would be hostile, not long
-_UNREADABLE = (  # what zipfile and numpy raise at content that is not theirs, encrypted or hostile
-    OSError, ValueError, EOFError, RuntimeError, MemoryError, SyntaxError, TypeError, KeyError, UnicodeError,
-    zlib.error, zipfile.BadZipFile, tokenize.TokenError,
-)  # fmt: skip
-_FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 _DECIMALS = 6
 _UNIT = 1e-3  # how far from 1 the squared length of a quaternion in a file may be; it is normalised when read
 
@@ -94,7 +85,7 @@ def load(path: Path) -> Clip:
     Raises:
         DataError: the file is missing or broken; names the array and says what is allowed.
     """
-    arrays = _read(path)
+    arrays = archive.read(path, "motion clip")
     _check_names(path, arrays)
     header = _header(path, arrays.pop("header"))
     rate = _rate(path, arrays.pop("rate"))
@@ -124,36 +115,12 @@ def save(clip: Clip, path: Path) -> None:
     header = msgspec.json.encode(clip.header).decode()
     content: dict[str, Any] = {name: _rounded(array) for name, array in arrays.items()}
     content |= {"rate": np.float64(clip.rate), "header": np.array(header)}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, value in content.items():
-            buffer = io.BytesIO()
-            np.lib.format.write_array(buffer, np.asanyarray(value), allow_pickle=False)
-            entry = zipfile.ZipInfo(f"{name}.npy", _FIXED_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, buffer.getvalue())
+    archive.write(path, content)
 
 
 def _rounded(array: Array) -> Any:
     """Single precision of values rounded to 1e-6, without negative zeros."""
     return (np.round(array, _DECIMALS) + 0.0).astype("<f4")
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """The raw arrays by name; members are read whole first, so that checksums are checked before content."""
-    arrays: dict[str, Any] = {}
-    try:
-        with zipfile.ZipFile(path) as archive:
-            for entry in archive.infolist():
-                if entry.file_size > _LARGEST:
-                    raise DataError(path, entry.filename, f"{entry.file_size} bytes; at most {_LARGEST} are allowed")
-                content = io.BytesIO(archive.read(entry))
-                arrays[entry.filename.removesuffix(".npy")] = np.lib.format.read_array(content, allow_pickle=False)
-    except FileNotFoundError:
-        raise DataError(path, "", "no such motion file") from None
-    except _UNREADABLE as error:
-        raise DataError(path, "", f"not a motion clip that can be read ({error}); it must be an .npz file") from error
-    return arrays
 
 
 def _check_names(path: Path, arrays: dict[str, Any]) -> None:

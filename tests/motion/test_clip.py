@@ -108,7 +108,7 @@ def test_pickles_are_refused(swing, path):
 
 
 def test_a_file_that_unpacks_to_too_much_is_refused_before_it_is_unpacked(path, monkeypatch):
-    monkeypatch.setattr("ahmss.motion.clip._LARGEST", 2**20)
+    monkeypatch.setattr("ahmss.motion.archive._LARGEST", 2**20)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("rotations.npy", bytes(2**20 + 1))
     with pytest.raises(DataError, match="at most"):
@@ -140,7 +140,7 @@ def test_no_flipped_or_cut_file_is_more_than_a_sentence(swing, path):
 
 
 def test_a_missing_file_is_said(path):
-    with pytest.raises(DataError, match="no such motion file"):
+    with pytest.raises(DataError, match="no such motion clip"):
         load(path)
 
 
