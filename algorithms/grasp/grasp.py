@@ -15,8 +15,7 @@ from ahmss.body.quaternion import between, multiply, rotate, slerp
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
-
-from fingers import Cylinder, closed, opened  # isort: skip - the file beside this one
+from ahmss.motion.fingers import Cylinder, closed, opened
 
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers

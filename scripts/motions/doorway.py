@@ -6,9 +6,7 @@ so that it meets the lever on any body and wherever the human stands.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -21,11 +19,9 @@ from ahmss.body.quaternion import from_axis_angle, from_matrix, rotate, slerp
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.easing import minimum_jerk
-from motions.poser import STANDING, Arm, Posture, pose
+from ahmss.motion.fingers import Cylinder, closed, opened
+from ahmss.motion.poser import STANDING, Arm, Posture, pose
 from motions.scene import Scene
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "algorithms" / "grasp"))
-from fingers import Cylinder, closed, opened
 
 __all__ = ["ANGLE", "clips"]
 

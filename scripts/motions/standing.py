@@ -7,7 +7,7 @@ import numpy as np
 from ahmss.algorithm import importance_of
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip, ClipHeader
-from motions.poser import STANDING, pose
+from ahmss.motion.poser import STANDING, pose
 
 __all__ = ["clip"]
 

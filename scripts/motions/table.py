@@ -15,7 +15,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip, ClipHeader
-from motions.poser import STANDING, Arm, Fingers, Posture, pose
+from ahmss.motion.poser import STANDING, Arm, Fingers, Posture, pose
 from motions.scene import Scene
 
 __all__ = ["clips"]
