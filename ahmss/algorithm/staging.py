@@ -6,7 +6,7 @@ how tall it is, nor where the object is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,19 +14,18 @@ from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX, LINKS
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
-from ahmss.body.skeleton import Skeleton, mirror
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import multiply
+from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
+from ahmss.motion.edit import floor_frame, mirrored, part
 from ahmss.motion.planting import feet, plant
 
 __all__ = ["Staged", "face", "lips", "mirrored", "part", "stage", "stands"]
 
 _LIPS = np.array([-0.0422, 0.0, -0.0062])
-_UP = np.array([0.0, 0.0, 1.0])
 _UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
-_SWAPPED_TARGETS = [1, 0, 3, 2, 4]
 _HEAD = INDEX["head"]
 
 
@@ -80,26 +79,6 @@ def stands(clip: Clip) -> bool:
     return bool((clip.contacts > 0.5).all()) and clip.header.frame == "human"
 
 
-def part(clip: Clip, first: int, end: int) -> Clip:
-    """The clip's frames from `first` to before `end`."""
-    return replace(
-        clip, rotations=clip.rotations[first:end], root=clip.root[first:end], importance=clip.importance[first:end],
-        contacts=clip.contacts[first:end], targets=None if clip.targets is None else clip.targets[first:end],
-    )  # fmt: skip
-
-
-def mirrored(clip: Clip) -> Clip:
-    """The clip seen in a mirror: what the right hand did, the left does."""
-    rotations, root = mirror(clip.rotations, clip.root)
-    swap = [INDEX[_other(name)] for name in LINKS]
-    importance = clip.importance[:, [*swap, 43]]
-    targets = None
-    if clip.targets is not None:
-        targets = clip.targets[:, _SWAPPED_TARGETS] * np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
-    contacts = clip.contacts[:, ::-1]
-    return replace(clip, rotations=rotations, root=root, importance=importance, contacts=contacts, targets=targets)
-
-
 def face(task: HumanTask, rotations: Array, root: Array) -> Transform:
     """The face (...) of poses in the world: origin between the lips, axes of the head link (x up, y left, z back)."""
     places, world = forward(rotations, root, task.human.offsets)
@@ -134,13 +113,4 @@ def _object(task: HumanTask) -> Transform:
 
 def _floor(task: HumanTask) -> Transform:
     """The human's floor frame at the start: under the hips, x where they face."""
-    ahead = rotate(task.start.rotations[0], np.array([0.0, 0.0, -1.0]))  # the hips' z points back
-    yaw = from_axis_angle(_UP, float(np.arctan2(ahead[1], ahead[0])))
-    return Transform(task.start.root * np.array([1.0, 1.0, 0.0]), yaw)
-
-
-def _other(name: str) -> str:
-    """The same link on the other side."""
-    if name.startswith("right_"):
-        return "left_" + name.removeprefix("right_")
-    return "right_" + name.removeprefix("left_") if name.startswith("left_") else name
+    return Transform(*floor_frame(task.start.rotations, task.start.root))
