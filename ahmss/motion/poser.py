@@ -1,25 +1,27 @@
-"""A poser: a standing pose from a few numbers that a person can think in, its feet planted and its weight over them.
+"""A poser: a pose from a few numbers that a person can think in, its feet planted and its weight over them.
 
-Everything is in the stance frame: origin between the feet on the floor, x ahead, y left, z up; metres, and degrees.
+Everything is in the stance frame: origin between the ankles on the floor, x ahead, y left, z up; metres, and degrees.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.inverse import LEFT_HAND, RIGHT_HAND, solve
+from ahmss.body.inverse import GAZE, LEFT_HAND, RIGHT_HAND, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
-__all__ = ["STANDING", "Arm", "Fingers", "Posture", "centre_of_mass", "foot_frames", "pose"]
+__all__ = [
+    "STANDING", "STRAIGHT", "Arm", "Fingers", "Posture", "Stance", "between", "centre_of_mass", "foot_frames", "pose",
+    "upright",
+]  # fmt: skip
 
-_FOOT_APART = 0.056  # of stature, from the middle to each ankle
-_TOE_OUT = 6.0
 _BALANCED = 1e-5  # metres
 _SIDES = (("right", 1.0), ("left", -1.0))  # side and the sign of a turn about the links' x and z axes
 
@@ -56,15 +58,30 @@ class Fingers:
 
 
 @dataclass(frozen=True)
+class Stance:
+    """Where the feet are: each ankle's distance from the middle as a share of stature (None: as wide as the hips), and
+    how many degrees the toes point out."""
+
+    apart: float | None = 0.056
+    toe_out: float = 6.0
+
+
+STRAIGHT = Stance(apart=None, toe_out=0.0)  # as in the upright pose
+
+
+@dataclass(frozen=True)
 class Posture:
-    """A standing posture. `shift` is where the weight is (ahead, left) of the middle of the ankles; `drop` lowers the
-    hips by a share of stature.
+    """A posture. `shift` is where the weight is (ahead, left) of the middle of the ankles; `drop` lowers the hips by a
+    share of stature. `hips`, where it is given, is the place of the hips' joint instead: somebody sits.
 
     The trunk's numbers are degrees: lean ahead, turn to the left, tilt to the left; the head's against the trunk.
-    `grips` are wanted hand frames (place 3, quaternion 4) by side.
+    `grips` are wanted hand frames by side (place 3, quaternion 4, and a weight where it is not 1); `gaze` is a place
+    looked at, with its weight (4).
     """
 
     shift: tuple[float, float] = (0.035, 0.0)
+    hips: tuple[float, float, float] | None = None
+    stance: Stance = Stance()
     drop: float = 0.0007
     hips_lean: float = 0.0
     hips_turn: float = 0.0
@@ -80,23 +97,53 @@ class Posture:
     right_fingers: Fingers = Fingers()
     left_fingers: Fingers = Fingers()
     grips: dict[str, Array] = field(default_factory=dict[str, Array])
+    gaze: Array | None = None
 
 
-STANDING = Posture()
+STANDING = Posture()  # at ease
+_HANGING = Arm(forward=0.0, aside=0.0, turn_in=0.0, elbow=0.0, pronate=0.0)
+_STRETCHED = Fingers(knuckle=0.0, middle=0.0, end=0.0, thumb=0.0, thumb_bend=0.0, thumb_away=0.0, spread=0.0)
+
+
+def upright(skeleton: Skeleton) -> Posture:
+    """The upright pose of table 5.3 as a posture, from which others may be reached."""
+    weight = centre_of_mass(skeleton, *skeleton.upright())
+    return Posture(
+        shift=(float(weight[0]), float(weight[1])), drop=0.0, stance=STRAIGHT, right_arm=_HANGING, left_arm=_HANGING,
+        right_fingers=_STRETCHED, left_fingers=_STRETCHED,
+    )  # fmt: skip
+
+
+def between(a: Posture, b: Posture, share: float) -> Posture:
+    """The posture on the way from one to another, number by number; stance, grips and gaze stay the first's."""
+    return replace(_mixed(a, b, share), stance=a.stance, grips=a.grips, gaze=a.gaze)
+
+
+def _mixed(a: Any, b: Any, share: float) -> Any:
+    """Two of the same kind mixed, deep: numbers, tuples of numbers, postures' parts; what is neither stays."""
+    if isinstance(a, float) and isinstance(b, float):
+        return a + share * (b - a)
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return tuple(_mixed(x, y, share) for x, y in zip(a, b, strict=True))
+    if isinstance(a, Posture | Arm | Fingers):
+        return replace(a, **{f.name: _mixed(getattr(a, f.name), getattr(b, f.name), share) for f in fields(a)})
+    return a
 
 
 def pose(skeleton: Skeleton, posture: Posture) -> tuple[Array, Array]:
     """The posture as rotations (43, 4) and root (3,), feet on z = 0, weight where `shift` says."""
-    rotations, upright = skeleton.upright()
+    rotations, root = skeleton.upright()
     _trunk(rotations, posture)
     for side, sign in _SIDES:
         arm: Arm = getattr(posture, f"{side}_arm")
         fingers: Fingers = getattr(posture, f"{side}_fingers")
         _arm(rotations, side, sign, arm)
         _fingers(rotations, side, sign, fingers)
-        _turned(rotations, f"{side}_upper_leg", (0, sign * _TOE_OUT))
-    root = upright - np.array([0.0, 0.0, posture.drop * skeleton.stature])
-    return _balance(skeleton, rotations, root, posture)
+        _turned(rotations, f"{side}_upper_leg", (0, sign * posture.stance.toe_out))
+    if posture.hips is not None:
+        root = np.array(posture.hips)
+        return _solved(skeleton, rotations, root, posture), root
+    return _balance(skeleton, rotations, root - np.array([0.0, 0.0, posture.drop * skeleton.stature]), posture)
 
 
 def _turned(rotations: Array, link: str, *turns: tuple[int, float]) -> None:
@@ -146,10 +193,13 @@ def _balance(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture
 
 def _solved(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture) -> Array:
     targets = np.zeros((5, 8))
-    targets[2:4, :7], targets[2:4, 7] = foot_frames(skeleton), 1.0
+    targets[2:4, :7], targets[2:4, 7] = foot_frames(skeleton, posture.stance), 1.0
     for row, side in ((RIGHT_HAND, "right"), (LEFT_HAND, "left")):
         if side in posture.grips:
-            targets[row, :7], targets[row, 7] = posture.grips[side], 1.0
+            targets[row, 7] = 1.0
+            targets[row, : len(posture.grips[side])] = posture.grips[side]
+    if posture.gaze is not None:
+        targets[GAZE, :3], targets[GAZE, 7] = posture.gaze[:3], posture.gaze[3]
     solved = solve(skeleton, rotations, root, targets)
     for side, sign in _SIDES:
         arm: Arm = getattr(posture, f"{side}_arm")
@@ -174,12 +224,14 @@ def _swivel(skeleton: Skeleton, rotations: Array, root: Array, side: str, angle:
     rotations[shoulder] = multiply(local, rotations[shoulder])
 
 
-def foot_frames(skeleton: Skeleton) -> Array:
-    """The feet (2, 7), right and left, of the one stance: a little apart, toes a little out."""
+def foot_frames(skeleton: Skeleton, stance: Stance) -> Array:
+    """The feet (2, 7), right and left, on the floor."""
+    hips = float(skeleton.offsets[INDEX["left_upper_leg"], 1])
+    apart = hips if stance.apart is None else stance.apart * skeleton.stature
     frames = np.zeros((2, 7))
     for row, (_, sign) in enumerate(_SIDES):
-        frames[row, :3] = 0.0, -sign * _FOOT_APART * skeleton.stature, -float(skeleton.soles[:, 2].min())
-        frames[row, 3:] = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.radians(-sign * _TOE_OUT))
+        frames[row, :3] = 0.0, -sign * apart, -float(skeleton.soles[:, 2].min())
+        frames[row, 3:] = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.radians(-sign * stance.toe_out))
     return frames
 
 
