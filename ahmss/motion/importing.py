@@ -1,0 +1,86 @@
+"""Motions of other makers brought in: a file becomes a clip of one of our humans, and says what was done to it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ahmss.body.links import LINKS
+from ahmss.body.skeleton import Skeleton
+from ahmss.errors import CommandError, DataError
+from ahmss.motion.alignment import BodyMotion, align
+from ahmss.motion.bvh import read_bvh
+from ahmss.motion.clip import Clip, ClipHeader
+from ahmss.motion.grounding import ground
+from ahmss.motion.naming import parts_of
+from ahmss.motion.retarget import leg_length, retarget
+from ahmss.motion.units import UNITS, guess_unit
+
+__all__ = ["import_clip", "read_body"]
+
+_GUESSED = 0.1  # importance of fingers that nobody recorded
+
+
+def import_clip(
+    path: Path, skeleton: Skeleton, *, rate: float | None = 60.0, unit: str | None = None
+) -> tuple[Clip, list[str]]:
+    """The motion in a file, on a human.
+
+    Args:
+        path: a BVH file.
+        skeleton: the human who shall perform it.
+        rate: frames a second of the clip; None keeps the file's.
+        unit: of length in the file, one of `units.UNITS`; None guesses it from the stature.
+
+    Returns:
+        the clip, in the human's floor frame at frame 0, and sentences on what was found and done.
+
+    Raises:
+        DataError: the file is damaged, or no body is known in it; names file and place.
+        CommandError: there is no such unit.
+    """
+    body, report = read_body(path, unit)
+    if rate is not None and abs(rate - body.rate) > 1e-6:
+        report.append(f"{body.rate:g} frames a second became {rate:g}")
+        body = body.at_rate(rate)
+    rotations, root = retarget(body, skeleton)
+    grounded = ground(skeleton, rotations, root, body.rate)
+    importance = np.ones((body.frames, len(LINKS) + 1))
+    importance[:, 15:-1] = _GUESSED
+    report.append("its fingers are not in the file: relaxed")
+    clip = Clip(
+        rotations=grounded.rotations,
+        root=grounded.root,
+        importance=importance,
+        contacts=grounded.contacts,
+        rate=body.rate,
+        header=ClipHeader(origin=path.name, human=skeleton.name),
+    )
+    return clip, report
+
+
+def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str]]:
+    """What a file says of a body's motion, with its performer's lengths, and sentences on it.
+
+    Raises:
+        DataError: the file is damaged, or no body is known in it; names file and place.
+        CommandError: there is no such unit.
+    """
+    if unit is not None and unit not in UNITS:
+        raise CommandError(f'no unit "{unit}"; known are {", ".join(UNITS)}')
+    if path.suffix.lower() != ".bvh":
+        raise DataError(path, "", f'a motion file ends in .bvh, not "{path.suffix}"')
+    source = read_bvh(path)
+    parts = parts_of(source)
+    body, said = align(source, parts, 1.0)
+    report = [f"{source.format}, {source.frames} frames, names as in {parts.family} files"]
+    name, metres, stature = guess_unit(leg_length(body))
+    if unit is not None:
+        name, metres = unit, UNITS[unit]
+    elif name:
+        report.append(f"unit taken to be {name}: the legs are those of a person of {stature:.2f} m")
+    else:
+        report.append(f"no known unit fits, so lengths are scaled to a person of {stature:.2f} m")
+    body = BodyMotion(body.rotations, metres * body.places, metres * body.toes, body.rate)
+    return body, [*report, *said]

@@ -1,0 +1,130 @@
+"""A motion given to a human of other lengths: feet on the ground, hands where they were relative to the body.
+
+Rotations are kept; what must meet something is then solved for. Hips and feet keep their way, in leg lengths, so that
+strides fit the legs. Hands keep their place as seen from the shoulder, in arm lengths, except across the body, where
+what lies between the shoulders is measured by their width: hands that met in the middle still do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.inverse import solve
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX, PARENTS
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.alignment import TRACKED, BodyMotion
+from ahmss.motion.contact import speeds
+
+__all__ = ["hand_places", "retarget"]
+
+_UP = np.array([0.0, 0.0, 1.0])
+_STILL = 0.25  # metres a second: a foot whose ankle and toes are slower stands flat
+_SOFT = 0.04  # metres over which the scale across the body changes at the shoulder
+_FEET = [INDEX["right_foot"], INDEX["left_foot"]]
+_HANDS = [INDEX["right_hand"], INDEX["left_hand"]]
+_SHOULDERS = [INDEX["right_upper_arm"], INDEX["left_upper_arm"]]
+_SPINE, _HEAD = INDEX["spine"], INDEX["head"]
+
+
+def retarget(body: BodyMotion, skeleton: Skeleton) -> tuple[Array, Array]:
+    """The motion on another human.
+
+    Args:
+        body: the motion with its performer's lengths.
+        skeleton: the human's measures.
+
+    Returns:
+        rotations (F, 43, 4), parent <- child, fingers relaxed, and root (F, 3), metres, the floor at z = 0, beginning
+        over the origin with heading 0.
+    """
+    rotations = _joint_rotations(body, skeleton)
+    root, ankles = _hips_and_ankles(body, skeleton)
+    targets = np.zeros((body.frames, 5, 8))
+    targets[:, 2:4, :3], targets[:, 2:4, 3:7], targets[:, 2:4, 7] = ankles, body.rotations[:, _FEET], 1.0
+    wrists = hand_places(body, skeleton, rotations, root)
+    grips = body.rotations[:, _HANDS]
+    targets[:, :2, :3] = wrists + rotate(grips, skeleton.grips[:, :3])
+    targets[:, :2, 3:7], targets[:, :2, 7] = multiply(grips, skeleton.grips[:, 3:]), 1.0
+    rotations = solve(skeleton, rotations, root, targets)
+    return _begun_here(rotations, root)
+
+
+def _joint_rotations(body: BodyMotion, skeleton: Skeleton) -> Array:
+    """Rotations (F, 43, 4), parent <- child, of the body's own, the fingers relaxed."""
+    rotations = np.tile(skeleton.relaxed()[0], (body.frames, 1, 1))
+    rotations[:, 0] = body.rotations[:, 0]
+    for link in range(1, len(TRACKED)):
+        rotations[:, link] = multiply(conjugate(body.rotations[:, PARENTS[link]]), body.rotations[:, link])
+    return rotations
+
+
+def _hips_and_ankles(body: BodyMotion, skeleton: Skeleton) -> tuple[Array, Array]:
+    """The hips' way (F, 3) and the ankles' (F, 2, 3) in the human's leg lengths, standing feet on the floor."""
+    lower = INDEX["right_lower_leg"]
+    own = float(np.linalg.norm(skeleton.offsets[[lower, lower + 1]], axis=-1).sum())
+    scale = own / leg_length(body)
+    ankle = -float(skeleton.soles[:, 2].min())
+    floor = np.array([0.0, 0.0, standing_height(body)])
+    root = scale * (body.places[:, 0] - floor) + ankle * _UP
+    return root, scale * (body.places[:, _FEET] - floor) + ankle * _UP
+
+
+def leg_length(body: BodyMotion) -> float:
+    """Thigh and shank together, metres."""
+    return _chain_length(body, "upper_leg", "lower_leg", "foot")
+
+
+def arm_length(body: BodyMotion) -> float:
+    """From shoulder to wrist along the bones, metres."""
+    return _chain_length(body, "upper_arm", "lower_arm", "hand")
+
+
+def _chain_length(body: BodyMotion, *links: str) -> float:
+    sides = [body.places[:, [INDEX[f"{side}_{link}"] for link in links]] for side in ("right", "left")]
+    return float(np.mean([np.median(np.linalg.norm(np.diff(side, axis=1), axis=-1).sum(axis=1)) for side in sides]))
+
+
+def standing_height(body: BodyMotion) -> float:
+    """How high the ankles are when the feet stand flat: both ankle and toes are slow then."""
+    ankles = body.places[:, _FEET]
+    slow = np.maximum(speeds(ankles, body.rate), speeds(body.toes, body.rate)) < _STILL
+    heights = ankles[..., 2][slow] if slow.any() else ankles[..., 2]
+    return float(np.percentile(heights, 20.0))
+
+
+def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Array) -> Array:
+    """Where the wrists (F, 2, 3) belong on this human, world, metres.
+
+    The performer's shoulder is where it is as a rule, carried by the trunk: what the collarbone does is the arm's here.
+    """
+    trunk = body.rotations[:, _SPINE]
+    seen = rotate(conjugate(trunk)[:, None], body.places[:, _SHOULDERS] - body.places[:, None, _HEAD])
+    shoulders = np.median(seen, axis=0)  # (2, 3) from the neck, in the trunk's axes
+    hands = rotate(conjugate(trunk)[:, None], body.places[:, _HANDS] - body.places[:, None, _HEAD]) - shoulders
+    lower = INDEX["right_lower_arm"]
+    own = float(np.linalg.norm(skeleton.offsets[[lower, lower + 1]], axis=-1).sum())
+    scale = own / arm_length(body)
+    half, own_half = float(np.ptp(shoulders[:, 1])) / 2.0, float(np.ptp(skeleton.offsets[_SHOULDERS, 1])) / 2.0
+    outward = np.array([-1.0, 1.0])
+    placed = scale * hands
+    placed[..., 1] = outward * _across(outward * hands[..., 1], own_half / half, scale)
+    places, world = forward(rotations, root, skeleton.offsets)
+    return places[:, _SHOULDERS] + rotate(world[:, None, _SPINE], placed)
+
+
+def _across(out: Array, inner: float, outer: float) -> Array:
+    """Distances out from the shoulder, scaled by one number towards the middle and another away from it, smoothly."""
+    bend = 0.5 * (out + np.sqrt(out * out + _SOFT * _SOFT) - _SOFT)
+    return inner * out + (outer - inner) * bend
+
+
+def _begun_here(rotations: Array, root: Array) -> tuple[Array, Array]:
+    """The motion turned and moved on the floor so that it begins over the origin with heading 0."""
+    ahead = rotate(rotations[0, 0], np.array([0.0, 0.0, -1.0]))
+    turn = from_axis_angle(_UP, -np.arctan2(ahead[1], ahead[0]))
+    turned = rotations.copy()
+    turned[:, 0] = multiply(turn, rotations[:, 0])
+    return turned, rotate(turn, root - root[0] * (1.0, 1.0, 0.0))
