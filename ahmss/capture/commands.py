@@ -1,8 +1,8 @@
 r"""What a tracker is told: one vocabulary for the driver, which encodes it, and the simulator, which decodes it.
 
-From the FASTRAK manual (rev. G, chapter 9), the Liberty and Patriot manuals, and public drivers. A command is a letter; some end
-with CR, and then take arguments: `O1,2,11,1<CR>`. FASTRAK's letters are case-sensitive and mean different things; Liberty
-takes an argument instead (`F1<CR>` binary, `U1<CR>` centimetres), and stops its continuous output at a poll.
+From the FASTRAK manual (rev. G, chapter 9), the Liberty and Patriot manuals, and public drivers. A command is a letter;
+some end with CR, and then take arguments: `O1,2,11,1<CR>`. FASTRAK's letters are case-sensitive and mean different
+things; Liberty takes an argument instead (`F1<CR>` binary, `U1<CR>` centimetres), and stops its output at a poll.
 """
 
 from __future__ import annotations
@@ -37,11 +37,15 @@ class Command:
 
 @dataclass(frozen=True)
 class _Word:
-    """How a command is written: its code, a fixed argument in it, whether CR ends it, whether a station follows."""
+    """How a command is written: its code with a fixed argument, whether CR ends it, whether a station follows.
+
+    question: what stands in place of station and arguments where nothing is set but something asked.
+    """
 
     code: str
     ends: bool = False
     station: bool = False
+    question: str = ""
 
 
 _FASTRAK: dict[str, _Word] = {
@@ -57,7 +61,7 @@ _FASTRAK: dict[str, _Word] = {
     "reinitialise": _Word("\x19"),
     "save": _Word("\x0b"),
     "output": _Word("O", ends=True, station=True),
-    "station": _Word("l", ends=True, station=True),
+    "station": _Word("l", ends=True, station=True, question="1"),
     "hemisphere": _Word("H", ends=True, station=True),
     "boresight": _Word("B", ends=True, station=True),
     "unboresight": _Word("b", ends=True, station=True),
@@ -79,7 +83,7 @@ _LIBERTY: dict[str, _Word] = {
     "counters": _Word("Q0", ends=True),
     "rate": _Word("R", ends=True),
     "output": _Word("O", ends=True, station=True),
-    "station": _Word("\x15", ends=True, station=True),
+    "station": _Word("\x15", ends=True, station=True, question="0"),
     "hemisphere": _Word("H", ends=True, station=True),
     "boresight": _Word("B", ends=True, station=True),
     "unboresight": _Word("\x02", ends=True, station=True),
@@ -105,8 +109,8 @@ def encode(kind: Kind, command: Command) -> bytes:
     word = words.get(command.name)
     if word is None:
         raise CommandError(f"{kind}: no command {command.name!r}; there are: {', '.join(words) or 'none'}")
-    fields: list[str] = []
-    if word.station and command.station is not None:
+    fields = [word.question] if word.question and not command.arguments else []
+    if not fields and word.station and command.station is not None:
         fields.append("*" if command.station == ALL_STATIONS else str(command.station))
     fields += [f"{argument:g}" for argument in command.arguments]
     return (word.code + ",".join(fields) + ("\r" if word.ends else "")).encode("ascii")
@@ -115,8 +119,8 @@ def encode(kind: Kind, command: Command) -> bytes:
 class CommandDecoder:
     """A device's ear: bytes in, commands out, however they are cut up.
 
-    What no command begins with becomes `Command("unknown", text=...)`, as a real device answers it with an error. A letter
-    that needs no CR acts at once. Line feeds are ignored.
+    What no command begins with becomes `Command("unknown", text=...)`: a real device answers it with an error. A letter
+    that needs no CR acts at once. Line feeds are ignored. `station` without arguments asks which stations there are.
     """
 
     def __init__(self, kind: Kind) -> None:

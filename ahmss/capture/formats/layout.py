@@ -22,10 +22,12 @@ class Layout:
     items: the device's numbers, in their order. FASTRAK: 0 space, 1 CR LF, 2 position, 4 Euler angles, 11 quaternion.
         Liberty and Patriot: 0, 1, 2 the same, 4 or 5 Euler angles, 7 quaternion, 8 time stamp, 9 frame count.
     units: of positions. Angles are degrees always.
+    stations: how many the device has; a record of a higher one is damage.
     """
 
     items: tuple[int, ...]
     units: Units = "inch"
+    stations: int = 16
 
     def check(self, known: dict[int, str], device: str) -> None:
         """Refuse an item that the format does not know.
