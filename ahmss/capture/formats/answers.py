@@ -51,8 +51,9 @@ def encode_status(kind: Kind, status: StatusRecord, station: int = 1, sensors: I
         return struct.pack("<2sBBBBH", _preamble(kind), 0, _WHO, 0x20, 0, len(text)) + text
     flags = _ALWAYS | _BINARY * status.binary | _CENTIMETRES * (status.units == "cm") | _CONTINUOUS * status.continuous
     there = sum(1 << number - 1 for number in sensors if number <= 4)
-    text = f"2{STATIONS[station - 1]}S{flags:03X}{status.error:>3.3} F3{there:X}
-    {status.firmware:<6.6}{status.text:<32.32}" return text.encode("ascii", "replace") + b"\r\n"
+    text = f"2{STATIONS[station - 1]}S{flags:03X}{status.error:>3.3} F3{there:X}  "
+    text += f"{status.firmware:<6.6}{status.text:<32.32}\r\n"
+    return text.encode("ascii", "replace")
 
 
 def find_status(kind: Kind, data: bytes) -> StatusRecord | None:
@@ -70,7 +71,7 @@ def find_status(kind: Kind, data: bytes) -> StatusRecord | None:
 
 
 def encode_stations(kind: Kind, there: Iterable[int], active: Iterable[int] | None = None) -> bytes:
-    """The answer to "which stations": those whose sensor is plugged in, and those that are switched on (all, if left out)."""
+    """The answer to "which stations": those that have a sensor, and those that are switched on (all, if left out)."""
     plugged = set(there)
     on = plugged if active is None else set(active) & plugged
     if kind == "fastrak":
