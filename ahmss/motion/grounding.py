@@ -1,6 +1,9 @@
-"""Feet that stand: contact by height and speed together, hips that follow from it, legs solved onto the ground.
+"""Feet that stand: contact by height and speed together, legs solved so that feet neither slide nor sink.
 
-Beyond 5.3.1 of the thesis, whose lowest part slides and sinks where the next one takes over (see `hips`).
+While a foot bears, it is carried by as much as its lowest part would move, part passing weight to part from heel to toe
+tip. Between two stances the carrying goes over smoothly from the one to the next while the foot is in the air; it is
+caught just before it lands and let go just after it leaves with the speed it has, so nothing pops. The foot keeps its
+rotation; hip and knee bend.
 """
 
 from __future__ import annotations
@@ -8,17 +11,30 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from ahmss.body.array import Array
+from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, solve
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.contact import contacts
-from ahmss.motion.hips import from_lowest_part
+from ahmss.motion.contact import bearing, foot_points, runs
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.hips import from_standing_parts
+from ahmss.motion.planting import feet
 
 __all__ = ["Grounded", "ground"]
 
+_GAP = 0.15  # seconds; a foot that bears again so soon never left
+_EASE = 0.12  # seconds before a foot lands and after it leaves over which it is caught and let go
+_LOWEST = 0.008  # metres over its lowest part at which another part of a foot counts little
+_REACH = 0.995  # share of a leg's length that a foot which stands may ask for
+_STRAIGHT = 0.9995
+_SMOOTH = 0.05  # seconds over which hips go lower for a leg that is too short
+
 
 class Grounded(NamedTuple):
-    """A motion whose feet stand: rotations (F, 43, 4), root (F, 3) metres, contacts (F, 2) in 0..1."""
+    """A motion whose feet stand: rotations (F, 43, 4), root (F, 3) metres, contacts (F, 2), 0 or 1."""
 
     rotations: Array
     root: Array
@@ -35,6 +51,123 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
         rate: frames a second.
     """
     if root is None:
-        root, _ = from_lowest_part(skeleton, rotations)
-        root[:, 2] -= np.median(root[:, 2]) - skeleton.upright()[1][2]
-    return Grounded(rotations, root, contacts(skeleton, rotations, root, rate))
+        root = from_standing_parts(skeleton, rotations, rate)
+    points = foot_points(skeleton, rotations, root)
+    bears = bearing(points.reshape(len(points), 6, 3), rate).reshape(-1, 2, 3).any(axis=-1)
+    carried = np.zeros((len(root), 2, 3))
+    stands = np.zeros((len(root), 2))
+    for foot in range(2):
+        stances = _joined(runs(bears[:, foot]), _GAP * rate)
+        for first, end in stances:
+            stands[first:end, foot] = 1.0
+        carried[:, foot] = _carried(points[:, foot], stances, rate)
+    wanted = feet(skeleton, rotations, root)
+    wanted[..., :3] += carried
+    root = _within_reach(skeleton, rotations, root, wanted, stands, rate)
+    return Grounded(_solved(skeleton, rotations, root, wanted), root, stands)
+
+
+def _joined(stretches: list[tuple[int, int]], gap: float) -> list[tuple[int, int]]:
+    """Stretches (first, end) with those made one that are less than `gap` frames apart."""
+    out: list[tuple[int, int]] = []
+    for first, end in stretches:
+        if out and first - out[-1][1] < gap:
+            out[-1] = (out[-1][0], end)
+        else:
+            out.append((first, end))
+    return out
+
+
+def _carried(points: Array, stances: list[tuple[int, int]], rate: float) -> Array:
+    """By how much a foot of points (frames, 3, 3) must be carried to stand still on the floor: (frames, 3) metres."""
+    lowest = points[..., 2].min(axis=1)
+    carried = np.zeros((len(points), 3))
+    if stances:
+        moved = _moved(points)
+        pieces = [-moved[first:end] for first, end in stances]
+        for piece, (first, end) in zip(pieces, stances, strict=True):
+            piece -= piece.mean(axis=0)  # over the ground as much before the middle of the stance as after it
+            piece[:, 2] = -lowest[first:end]
+        carried = _joined_smoothly(len(points), pieces, stances, _EASE * rate)
+    wide = max(round(2 * _SMOOTH * rate), 1)
+    sunk = maximum_filter1d(np.maximum(-(lowest + carried[:, 2]), 0.0), 2 * wide + 1, mode="nearest")
+    sunk = gaussian_filter1d(sunk, _SMOOTH * rate, mode="nearest", truncate=2.0)
+    for first, end in stances:
+        sunk[first:end] = 0.0
+    carried[:, 2] += sunk
+    return carried
+
+
+def _moved(points: Array) -> Array:
+    """How far the lowest part of a foot (frames, 3, 3) has moved since frame 0, parts taking over gradually."""
+    height = points[..., 2] - points[..., 2].min(axis=1, keepdims=True)
+    weight = np.exp(-height / _LOWEST)
+    weight = 0.5 * (weight[1:] + weight[:-1])
+    step = (weight[..., None] * np.diff(points, axis=0)).sum(axis=1) / weight.sum(axis=1, keepdims=True)
+    return np.concatenate([np.zeros((1, 3)), np.cumsum(step, axis=0)])
+
+
+def _joined_smoothly(frames: int, pieces: list[Array], stances: list[tuple[int, int]], ease: float) -> Array:
+    """What pieces (n, 3) say in their stances, and between them ways from the one to the next without a jerk."""
+    out = np.empty((frames, 3))
+    for piece, (first, end) in zip(pieces, stances, strict=True):
+        out[first:end] = piece
+    out[: stances[0][0]], out[stances[-1][1] :] = pieces[0][0], pieces[-1][-1]
+    for (_, left), (landed, _), before, after in zip(stances, stances[1:], pieces, pieces[1:], strict=False):
+        k = np.arange(left, landed)
+        share = minimum_jerk((k - (left - 1)) / (landed - (left - 1)))
+        out[left:landed] = before[-1] + share[:, None] * (after[0] - before[-1])
+    for piece, (first, end), gone, to_come in zip(
+        pieces, stances, [0, *(end for _, end in stances[:-1])], [*(first for first, _ in stances[1:]), frames],
+        strict=True,
+    ):  # fmt: skip
+        speed = _end_speeds(piece)
+        if first > gone:
+            out[gone:first] += _tail(first - np.arange(gone, first), min(ease, (first - gone) / 2))[:, None] * -speed[0]
+        if to_come > end:
+            away = np.arange(end, to_come) - (end - 1)
+            out[end:to_come] += _tail(away, min(ease, (to_come - end) / 2))[:, None] * speed[1]
+    return out
+
+
+def _end_speeds(piece: Array) -> tuple[Array, Array]:
+    """How fast a piece (n, 3) changes at its beginning and its end, a frame."""
+    few = min(3, len(piece) - 1)
+    if few < 1:
+        return np.zeros(3), np.zeros(3)
+    return (piece[few] - piece[0]) / few, (piece[-1] - piece[-1 - few]) / few
+
+
+def _tail(away: Array, ease: float) -> Array:
+    """The way that goes on at one a frame and comes back to 0 within `ease` frames (n,), at frames `away` from there."""
+    s = np.clip(1.0 - away / (ease + 1.0), 0.0, 1.0)
+    return (ease + 1.0) * s**3 * (1.0 - s)
+
+
+def _within_reach(
+    skeleton: Skeleton, rotations: Array, root: Array, wanted: Array, stands: Array, rate: float
+) -> Array:
+    """The hips' places (F, 3), lower where a leg would be too short for its foot that stands."""
+    places, _ = forward(rotations, root, skeleton.offsets)
+    lower = np.zeros(len(root))
+    for foot, side in enumerate(("right", "left")):
+        thigh, shin, ankle = (INDEX[f"{side}_{link}"] for link in ("upper_leg", "lower_leg", "foot"))
+        length = float(np.linalg.norm(skeleton.offsets[shin]) + np.linalg.norm(skeleton.offsets[ankle]))
+        own = np.linalg.norm(places[:, ankle] - places[:, thigh], axis=-1)
+        length = np.maximum(_REACH * length, np.minimum(own, _STRAIGHT * length))  # as straight as it was, it may be
+        away = places[:, thigh] - wanted[:, foot, :3]
+        aside = np.minimum(np.linalg.norm(away[:, :2], axis=1), length)
+        most = np.sqrt(length**2 - aside**2)
+        lower = np.maximum(lower, stands[:, foot] * np.maximum(away[:, 2] - most, 0.0))
+    wide = max(round(2 * _SMOOTH * rate), 1)
+    lower = maximum_filter1d(lower, 2 * wide + 1, mode="nearest")
+    lower = gaussian_filter1d(lower, _SMOOTH * rate, mode="nearest", truncate=2.0)
+    return root - lower[:, None] * np.array([0.0, 0.0, 1.0])
+
+
+def _solved(skeleton: Skeleton, rotations: Array, root: Array, wanted: Array) -> Array:
+    """Rotations (F, 43, 4) whose feet have the frames wanted (F, 2, 7)."""
+    targets = np.zeros((len(root), 5, 8))
+    for row, foot in ((RIGHT_FOOT, 0), (LEFT_FOOT, 1)):
+        targets[:, row, :7], targets[:, row, 7] = wanted[:, foot], 1.0
+    return solve(skeleton, rotations, root, targets)
