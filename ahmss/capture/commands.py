@@ -67,6 +67,9 @@ _FASTRAK: dict[str, _Word] = {
     "unboresight": _Word("b", ends=True, station=True),
     "alignment": _Word("A", ends=True, station=True),
     "reset_alignment": _Word("R", ends=True, station=True),
+    "position_filter": _Word("x", ends=True),
+    "attitude_filter": _Word("v", ends=True),
+    "stylus": _Word("e", ends=True, station=True),
 }
 
 _LIBERTY: dict[str, _Word] = {
@@ -89,6 +92,8 @@ _LIBERTY: dict[str, _Word] = {
     "unboresight": _Word("\x02", ends=True, station=True),
     "alignment": _Word("A", ends=True, station=True),
     "reset_alignment": _Word("\x12", ends=True, station=True),
+    "position_filter": _Word("X", ends=True),
+    "attitude_filter": _Word("Y", ends=True),
 }
 
 VOCABULARY: dict[Kind, dict[str, _Word]] = {

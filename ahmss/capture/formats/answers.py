@@ -25,6 +25,7 @@ _WHO, _ACTIVE = 0x16, 0x15
 _STATUS = re.compile(
     rb"2([1-9A-G])S([0-9A-F]{3})(.{3}) ..(.)..(.{6})(.{32})\r\n", re.DOTALL
 )  # fmt: skip
+_PRINTED = re.compile(rb"00v(.*?)\r\n", re.DOTALL)
 _STATES = re.compile(rb"2.l([01]{4,16})\r\n")
 
 
@@ -48,6 +49,8 @@ def encode_status(kind: Kind, status: StatusRecord, station: int = 1, sensors: I
     """The answer to FASTRAK's `S` or Liberty's `^V`; FASTRAK's also tells of one station and of the sensors there."""
     if kind != "fastrak":
         text = f"{status.text} {status.firmware}".encode("ascii", "replace")
+        if not status.binary:
+            return b"00v" + text + b"\r\n"
         return struct.pack("<2sBBBBH", _preamble(kind), 0, _WHO, 0x20, 0, len(text)) + text
     flags = _ALWAYS | _BINARY * status.binary | _CENTIMETRES * (status.units == "cm") | _CONTINUOUS * status.continuous
     there = sum(1 << number - 1 for number in sensors if number <= 4)
@@ -59,8 +62,11 @@ def encode_status(kind: Kind, status: StatusRecord, station: int = 1, sensors: I
 def find_status(kind: Kind, data: bytes) -> StatusRecord | None:
     """The status in what came after it was asked for; None while it is not there whole."""
     if kind != "fastrak":
-        body = _body(kind, _WHO, data)
-        return None if body is None else StatusRecord(text=" ".join(body.decode("ascii", "replace").split()))
+        printed = _PRINTED.search(data)
+        body = printed[1] if printed else _body(kind, _WHO, data)
+        return (
+            None if body is None else StatusRecord(not printed, text=" ".join(body.decode("ascii", "replace").split()))
+        )
     found = _STATUS.search(data)
     if found is None:
         return None
