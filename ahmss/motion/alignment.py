@@ -10,7 +10,6 @@ the waist to the neck, its turn is the chest's.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -28,6 +27,7 @@ __all__ = ["TRACKED", "BodyMotion", "align"]
 
 TRACKED = LINKS[:15]
 _WAIST_SHARE = 0.19  # of the way from hips to neck, where our spine's joint lies (Drillis & Contini 1966)
+_NEXT = {"upper_arm": "lower_arm", "lower_arm": "hand", "upper_leg": "lower_leg", "lower_leg": "foot"}
 _X = np.array([1.0, 0.0, 0.0])
 
 
@@ -87,7 +87,7 @@ def align(source: SourceMotion, parts: Parts, metres: float) -> tuple[BodyMotion
         DataError: neither zero pose nor any frame is one of a person who stands.
     """
     places, world = source.world()
-    up = _up(source, parts, places)
+    up = _up(parts, places)
     reference, kind = _reference(source, parts, places, world, up)
     wanted = _links_in(reference, parts)
     rotations = np.empty((source.frames, len(TRACKED), 4))
@@ -144,7 +144,7 @@ def _places(parts: Parts, places: Array, source: SourceMotion) -> Array:
     return out
 
 
-def _up(source: SourceMotion, parts: Parts, places: Array) -> Array:
+def _up(parts: Parts, places: Array) -> Array:
     """The axis of the file's world that points up: where heads are above feet; y where that says nothing."""
     feet = [parts.limbs["right_foot"], parts.limbs["left_foot"]]
     tall = np.median(places[:, parts.head] - places[:, feet].mean(axis=1), axis=0)
@@ -177,7 +177,7 @@ def _reference(source: SourceMotion, parts: Parts, places: Array, world: Array, 
 
 
 def _uprightness(parts: Parts, places: Array, up: Array) -> Array:
-    """How much poses (n, J, 3) are of somebody who stands (n,): the smallest cosine of trunk, thighs and shins to up."""
+    """How upright poses (n, J, 3) are (n,): the smallest cosine of trunk, thighs and shins to up."""
     limbs = parts.limbs
     bones = [(parts.hips, parts.neck)]
     for side in SIDES:
@@ -191,7 +191,7 @@ def _uprightness(parts: Parts, places: Array, up: Array) -> Array:
 def _body(parts: Parts, places: Array, up: Array) -> Array:
     """From our world at heading 0 to a standing pose's (4,)."""
     right, left = (places[parts.limbs[f"{side}_upper_leg"]] for side in SIDES)
-    across = left - right
+    across: Array = left - right
     across = across - up * (across @ up)
     across /= np.linalg.norm(across)
     return from_matrix(np.stack([np.cross(across, up), across, up], axis=-1))
@@ -222,14 +222,8 @@ def _links_in(reference: _Reference, parts: Parts) -> Array:
 def _bone(parts: Parts, places: Array, name: str) -> Array | None:
     """The direction of a limb's link in a pose, None where the file doesn't say."""
     side, part = name.split("_", 1)
-    order: dict[str, Any] = {
-        "upper_arm": "lower_arm",
-        "lower_arm": "hand",
-        "upper_leg": "lower_leg",
-        "lower_leg": "foot",
-    }
-    if part in order:
-        end = parts.limbs[f"{side}_{order[part]}"]
+    if part in _NEXT:
+        end = parts.limbs[f"{side}_{_NEXT[part]}"]
     else:
         end = parts.limbs.get(f"{side}_palm", -1)
         if end < 0 or np.linalg.norm(places[end] - places[parts.limbs[name]]) < 1e-9:

@@ -52,9 +52,11 @@ class _Lines:
         Raises:
             DataError: the file ends; says what was wanted.
         """
-        for self.number, self.words in self.rows:
-            return self.words
-        raise self.error(f"the file ends where {wanted} should stand; is it cut short?")
+        row = next(self.rows, None)
+        if row is None:
+            raise self.error(f"the file ends where {wanted} should stand; is it cut short?")
+        self.number, self.words = row
+        return self.words
 
     def error(self, message: str) -> DataError:
         """The error at this line."""

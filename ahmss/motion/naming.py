@@ -108,7 +108,7 @@ def _with_trunk(source: SourceMotion, hips: int, head: int, limbs: dict[str, int
 
 
 def _words(name: str) -> tuple[str, str]:
-    """The side ("" for none) and the rest of a joint's name in lower case, without what a file puts before all names."""
+    """The side ("" for none) and the rest of a joint's name in lower case, without what stands before all names."""
     name = name.rsplit(":", 1)[-1]
     words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+\d*|\d+", name)]
     while len(words) > 1 and words[0] in _PREFIXES:
@@ -141,10 +141,13 @@ def _ancestors(parents: tuple[int, ...], joint: int) -> list[int]:
 
 
 def _tip(source: SourceMotion, joint: int, limbs: dict[str, int]) -> int:
-    """What a limb's last joint points to: the child that is farthest away; -1 where there is none."""
+    """What a limb's last joint points to: the middle finger, or the child that is farthest away; -1 for none."""
     children = [i for i, parent in enumerate(source.parents) if parent == joint and i not in limbs.values()]
     lengths = [float(source.offsets[i] @ source.offsets[i]) for i in children]
-    return children[lengths.index(max(lengths))] if children and max(lengths) > 0.0 else -1
+    if not children or max(lengths) == 0.0:
+        return -1
+    middle = [i for i in children if "middle" in source.names[i].lower()]
+    return middle[0] if middle else children[lengths.index(max(lengths))]
 
 
 def _family(names: Sequence[str]) -> str:

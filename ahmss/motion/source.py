@@ -17,8 +17,8 @@ __all__ = ["SourceMotion"]
 class SourceMotion:
     """Joints and what they do, in the file's own units, axes and zero pose.
 
-    names (J,) and parents (J,), -1 for a root; parents stand before their children. Ends of chains are joints too, named
-    after their parent with "_end" added. offsets (J, 3): each joint in its parent's frame when nothing moves. rotations
+    names (J,) and parents (J,), -1 for a root; parents stand before their children. Ends of chains are joints too, with
+    their parent's name and "_end". offsets (J, 3): each joint in its parent's frame when nothing moves. rotations
     (F, J, 4) unit quaternions, parent <- child. translations (F, J, 3): the offsets, or what the file has instead.
     metres: of one unit of length, where the file says it.
     """
