@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from ahmss.body.array import Array
@@ -138,9 +139,9 @@ def _end_speeds(piece: Array) -> tuple[Array, Array]:
     return (piece[few] - piece[0]) / few, (piece[-1] - piece[-1 - few]) / few
 
 
-def _tail(away: Array, ease: float) -> Array:
-    """The way that goes on at one a frame and comes back to 0 within `ease` frames (n,), at frames `away` from there."""
-    s = np.clip(1.0 - away / (ease + 1.0), 0.0, 1.0)
+def _tail(away: NDArray[np.intp], ease: float) -> Array:
+    """The way (n,) at frames `away` that goes on at one a frame and is back at 0 after `ease` frames."""
+    s: Array = np.clip(1.0 - away / (ease + 1.0), 0.0, 1.0)
     return (ease + 1.0) * s**3 * (1.0 - s)
 
 

@@ -67,10 +67,11 @@ def from_standing_parts(skeleton: Skeleton, rotations: Array, rate: float) -> Ar
     parts = foot_points(skeleton, rotations, np.zeros((len(rotations), 3)))[:, :, :2].reshape(-1, 4, 3)
     if len(parts) < 2:
         return np.array([[0.0, 0.0, -parts[0, :, 2].min()]])
-    velocity = np.gradient(parts, 1.0 / rate, axis=0)[..., :2]
+    velocity: Array = np.asarray(np.gradient(parts, 1.0 / rate, axis=0))[..., :2]
     height = parts[..., 2] - parts[..., 2].min(axis=1, keepdims=True)
     low = np.exp(-((height / _LOW) ** 2))
     hips = -np.take_along_axis(velocity, height.argmin(axis=1)[:, None, None], axis=1)[:, 0]
+    weight = low
     for _ in range(_ROUNDS):
         hips = gaussian_filter1d(hips, _PASSING * rate, axis=0, mode="nearest")
         slip = np.linalg.norm(velocity + hips[:, None], axis=-1)
