@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 __all__ = ["Damage", "Faults"]
 
@@ -29,9 +30,9 @@ class Faults:
     off: bool = False
     unplugged: set[int] = field(default_factory=set[int])
 
-    def status(self, station: int) -> str:
+    def status(self, station: int, *, far: bool) -> str:
         """What the device says of a station: "" or the letter of a weak signal."""
-        return _WEAK if station in self.weak else ""
+        return _WEAK if far or station in self.weak else ""
 
     def mend(self) -> None:
         """Everything works again."""
@@ -54,12 +55,21 @@ class Damage:
         faults = self._faults
         if not data or not (faults.drop or faults.double or faults.flip):
             return data
-        values = np.frombuffer(data, np.uint8).copy()
-        hit = self._random.random((3, len(values)))
-        bits = np.left_shift(1, self._random.integers(0, 8, len(values))).astype(np.uint8)
-        values ^= np.where(hit[2] < faults.flip, bits, 0).astype(np.uint8)
-        times = np.where(hit[0] < faults.drop, 0, np.where(hit[1] < faults.double, 2, 1))
+        values = self._flipped(np.frombuffer(data, np.uint8))
+        lost, again = self._random.random((2, len(values)))
+        times = np.where(lost < faults.drop, 0, np.where(again < faults.double, 2, 1))
         return np.repeat(values, times).tobytes()
+
+    def _flipped(self, values: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """One bit turned in as many bytes as the faults say."""
+        bits = np.left_shift(1, self._random.integers(0, 8, len(values))).astype(np.uint8)
+        return values ^ np.where(self._random.random(len(values)) < self._faults.flip, bits, 0).astype(np.uint8)
+
+    def whole(self, datagram: bytes) -> bytes:
+        """A datagram as it arrives: empty where it got lost, else whole, its bits as they may be."""
+        if self._faults.drop and self._random.random() < self._faults.drop:
+            return b""
+        return self._flipped(np.frombuffer(datagram, np.uint8)).tobytes() if self._faults.flip else datagram
 
     def noise(self, count: int) -> bytes:
         """Bytes that mean nothing, as at a wrong baud rate."""

@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from ahmss.capture.config import TransmitterConfig
 from ahmss.capture.formats.layout import Kind
 from ahmss.capture.performance import Performance
 from ahmss.capture.simulator.faults import Faults
 from ahmss.capture.simulator.noise import NoiseLevel
-from ahmss.capture.simulator.sensors import Transmitter
 from ahmss.capture.stations import TRACKED
 from ahmss.errors import CommandError
+
+_LARGEST = 16  # stations that any format can number
 
 __all__ = ["MODELS", "Ending", "Model", "SimulatorOptions"]
 
@@ -43,6 +45,10 @@ MODELS: dict[Kind, Model] = {
 """From the makers' data sheets; the ULTRATRAK's 60 frames/s also in Ichiguchi 2000, table 5.2."""
 
 
+def _behind() -> TransmitterConfig:
+    return TransmitterConfig(position=(-1.0, 0.0, 0.0))
+
+
 @dataclass(frozen=True)
 class SimulatorOptions:
     """One simulated tracker.
@@ -52,6 +58,8 @@ class SimulatorOptions:
     lines: units, each on a line of its own; 0: as many as the stations need.
     stations: how many of the 15 links bear a sensor, in the order of `TRACKED`.
     rate: frames a second that the device is set to; its model and its line may carry fewer.
+    measurements: a second, shared by a unit's active stations; left out: the model's, 120 for a FASTRAK. Given, a unit
+        has room for 16 stations: a larger machine that speaks the same language.
     baud: of every line; what a line can't carry is not sent. A reader at another baud rate gets garbage.
     names: paths at which the lines can be opened, one a line; left out: the system's own names, /dev/pts/N.
     address: HOST:PORT that an ULTRATRAK sends to.
@@ -62,7 +70,7 @@ class SimulatorOptions:
     noise: "none", "resolution", or "full": table 5.2.
     faults: what is wrong from the start; commands typed at the running simulator change it.
     boot: seconds that a reinitialisation takes (none with the clock "poll").
-    transmitter: where it stands.
+    transmitter: where it stands; by default on the floor, a metre behind the world's origin.
     config_out: a configuration for the driver is written here. truth: the mounting and the motion are written here.
     """
 
@@ -71,9 +79,10 @@ class SimulatorOptions:
     lines: int = 0
     stations: int = len(TRACKED)
     rate: float = 60.0
+    measurements: float | None = None
     baud: int = 115200
     names: tuple[Path, ...] = ()
-    address: str = "127.0.0.1:5115"
+    address: str = "127.0.0.1:12345"
     clock: Clock = "real"
     after: Ending = "hold"
     seed: int = 0
@@ -81,9 +90,19 @@ class SimulatorOptions:
     noise: NoiseLevel = "none"
     faults: Faults = field(default_factory=Faults)
     boot: float = 10.0
-    transmitter: Transmitter = field(default_factory=Transmitter)
+    transmitter: TransmitterConfig = field(default_factory=_behind)
     config_out: Path | None = None
     truth: Path | None = None
+
+    @property
+    def frames_a_second(self) -> float:
+        """Of a unit all of whose stations are active: as set, as its model can, as its measurements allow."""
+        return self.rate_of(max(len(unit) for unit in self.units()))
+
+    def rate_of(self, active: int) -> float:
+        """Frames a second of a unit with so many active stations."""
+        model = MODELS[self.kind]
+        return min(self.rate, model.frames, (self.measurements or model.measurements) / max(active, 1))
 
     def units(self) -> tuple[tuple[int, ...], ...]:
         """The stations of each unit, numbered through all units from 1.
@@ -93,7 +112,7 @@ class SimulatorOptions:
         """
         if not 1 <= self.stations <= len(TRACKED):
             raise CommandError(f"{self.stations} stations; a person bears 1 to {len(TRACKED)}")
-        room = MODELS[self.kind].stations
+        room = MODELS[self.kind].stations if self.measurements is None else _LARGEST
         needed = math.ceil(self.stations / room)
         lines = self.lines or needed
         if lines < needed or lines > self.stations:

@@ -1,4 +1,4 @@
-"""Sensors on a body: where the transmitter stands, how each sensor sits on its link, and what it would measure."""
+"""Sensors on a body: how each sits on its link, and what it would measure."""
 
 from __future__ import annotations
 
@@ -10,24 +10,14 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.quaternion import IDENTITY, conjugate, multiply, normalize, rotate
 from ahmss.body.skeleton import Skeleton
+from ahmss.capture.config import TransmitterConfig
 from ahmss.capture.performance import Performance
-from ahmss.capture.stations import TRACKED, Quaternion, Vector
+from ahmss.capture.stations import TRACKED
 from ahmss.motion import archive
 
-__all__ = ["Mounts", "Transmitter", "measure", "save_truth"]
+__all__ = ["Mounts", "measure", "save_truth"]
 
 _SENSORS = len(TRACKED)
-
-
-@dataclass(frozen=True)
-class Transmitter:
-    """The transmitter's frame in the world; by default x forward, y right, z down, on the floor behind the subject.
-
-    place: metres, world. rotation: unit quaternion wxyz, world <- transmitter.
-    """
-
-    place: Vector = (-1.0, 0.0, 0.0)
-    rotation: Quaternion = (0.0, 1.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +47,7 @@ class Mounts:
         return cls(rotations, places)
 
 
-def measure(performance: Performance, mounts: Mounts, transmitter: Transmitter) -> tuple[Array, Array]:
+def measure(performance: Performance, mounts: Mounts, transmitter: TransmitterConfig) -> tuple[Array, Array]:
     """What perfect sensors measure, in the transmitter's frame.
 
     Returns:
@@ -65,12 +55,12 @@ def measure(performance: Performance, mounts: Mounts, transmitter: Transmitter) 
     """
     joints, links = performance.links()
     world = joints + rotate(links, np.broadcast_to(mounts.places, joints.shape))
-    to_transmitter = conjugate(np.array(transmitter.rotation))
-    positions = rotate(to_transmitter, world - np.array(transmitter.place))
+    to_transmitter = conjugate(transmitter.rotation)
+    positions = rotate(to_transmitter, world - np.array(transmitter.position))
     return multiply(to_transmitter, multiply(links, mounts.rotations)), positions
 
 
-def save_truth(path: Path, performance: Performance, mounts: Mounts, transmitter: Transmitter) -> None:
+def save_truth(path: Path, performance: Performance, mounts: Mounts, transmitter: TransmitterConfig) -> None:
     """Write what a recorder can't know: the mounting, and how the body really moved.
 
     The file holds sensor_to_link (15, 4), the constant of (5.1), sensor <- link; sensor_places (15, 3) in the links'
@@ -81,7 +71,7 @@ def save_truth(path: Path, performance: Performance, mounts: Mounts, transmitter
     content = {
         "sensor_to_link": conjugate(mounts.rotations),
         "sensor_places": mounts.places,
-        "transmitter": np.array([*transmitter.place, *transmitter.rotation]),
+        "transmitter": np.array([*transmitter.position, *transmitter.rotation]),
         "links": links,
         "joints": joints,
         "rate": np.float64(performance.rate),
