@@ -50,7 +50,7 @@ def encode_status(kind: Kind, status: StatusRecord, station: int = 1, sensors: I
     if kind != "fastrak":
         text = f"{status.text} {status.firmware}".encode("ascii", "replace")
         if not status.binary:
-            return b"00v" + text + b"\r\n"
+            return b"00v " + text + b"\r\n"
         return struct.pack("<2sBBBBH", _preamble(kind), 0, _WHO, 0x20, 0, len(text)) + text
     flags = _ALWAYS | _BINARY * status.binary | _CENTIMETRES * (status.units == "cm") | _CONTINUOUS * status.continuous
     there = sum(1 << number - 1 for number in sensors if number <= 4)
