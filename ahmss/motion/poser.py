@@ -19,7 +19,6 @@ from ahmss.body.skeleton import Skeleton
 
 __all__ = [
     "STANDING", "STRAIGHT", "Arm", "Fingers", "Posture", "Stance", "between", "centre_of_mass", "foot_frames", "pose",
-    "upright",
 ]  # fmt: skip
 
 _BALANCED = 1e-5  # metres
@@ -101,17 +100,6 @@ class Posture:
 
 
 STANDING = Posture()  # at ease
-_HANGING = Arm(forward=0.0, aside=0.0, turn_in=0.0, elbow=0.0, pronate=0.0)
-_STRETCHED = Fingers(knuckle=0.0, middle=0.0, end=0.0, thumb=0.0, thumb_bend=0.0, thumb_away=0.0, spread=0.0)
-
-
-def upright(skeleton: Skeleton) -> Posture:
-    """The upright pose of table 5.3 as a posture, from which others may be reached."""
-    weight = centre_of_mass(skeleton, *skeleton.upright())
-    return Posture(
-        shift=(float(weight[0]), float(weight[1])), drop=0.0, stance=STRAIGHT, right_arm=_HANGING, left_arm=_HANGING,
-        right_fingers=_STRETCHED, left_fingers=_STRETCHED,
-    )  # fmt: skip
 
 
 def between(a: Posture, b: Posture, share: float) -> Posture:
