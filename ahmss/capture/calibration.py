@@ -58,6 +58,11 @@ class Calibration:
     facing: float
     heading_seen: float
 
+    @property
+    def doubt(self) -> float:
+        """By how much the sensors' places contradict the assumed heading, radians, -pi to pi."""
+        return float((self.heading_seen - self.facing + np.pi) % (2.0 * np.pi) - np.pi)
+
 
 def calibrate(
     take: Take,

@@ -1,6 +1,8 @@
-"""A take made into a clip: the sensors' rotations become those of a human's links, and the feet find the ground."""
+"""A take made into a clip of a human: filled, calibrated, brought to the human's joints, and stood on the ground."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,9 +10,101 @@ from ahmss.body.array import Array
 from ahmss.body.links import LINKS, PARENTS
 from ahmss.body.quaternion import conjugate, multiply, normalize
 from ahmss.body.skeleton import Skeleton
+from ahmss.capture.calibration import Calibration, calibrate, link_rotations
+from ahmss.capture.repair import Gap, Jump, fill, gaps, jumps, mend
+from ahmss.capture.smoothing import smoothed
+from ahmss.capture.take import Take
+from ahmss.motion.clip import Clip, ClipHeader
+from ahmss.motion.edit import begun_at_origin
+from ahmss.motion.grounding import ground
+from ahmss.motion.importance import derive
 from ahmss.motion.resample import continuous
 
-__all__ = ["joint_rotations"]
+__all__ = ["Captured", "Choices", "clip_of", "joint_rotations"]
+
+_TURNED_AWAY = np.radians(15.0)  # the places of the sensors tell the heading to about 5 degrees
+_RESTLESS = 1.0  # degrees RMS
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What may be decided about a take.
+
+    upright: first frame of the upright pose and the one after its last; None: found. facing: where the subject faced
+    in it against the transmitter's x axis, radians to the left; None: from the places of left and right sensors.
+    mend: put a smooth way across the jumps. cutoff: hertz, over which the sensors' jitter is smoothed away; 0: not.
+    """
+
+    upright: tuple[int, int] | None = None
+    facing: float | None = 0.0
+    mend: bool = False
+    cutoff: float = 0.0
+
+
+@dataclass(frozen=True)
+class Captured:
+    """A clip, how its take was calibrated, what the take lacked, and where sensors jumped."""
+
+    clip: Clip
+    calibration: Calibration
+    gaps: list[Gap]
+    jumps: list[Jump]
+    mended: bool
+
+    def report(self) -> list[str]:
+        """What a person should know of it, a sentence each."""
+        rate, (first, end) = self.clip.rate, self.calibration.stretch
+        calibration = self.calibration
+        lines = [f"stood upright {_when(first, end, rate)}, still to {calibration.stillness:.2f} degrees"]
+        if calibration.stillness > _RESTLESS:
+            lines.append("that is restless: stand stiller, or mark a stiller stretch with --upright FROM TO")
+        if abs(calibration.doubt) > _TURNED_AWAY:
+            lines.append(
+                f"the left and right sensors say that the subject faced {np.degrees(calibration.doubt):+.0f} degrees "
+                "from where --facing has it: give the right one, or --facing sensors"
+            )
+        lines += [f"{gap.link}: nothing {_when(gap.first, gap.end, rate)}, filled" for gap in self.gaps]
+        how = "mended" if self.mended else "left as it is; --mend puts a smooth way across"
+        for jump in self.jumps:
+            lines.append(f"{jump.link}: jumps by {jump.degrees:.0f} degrees {_when(jump.first, jump.end, rate)}, {how}")
+        return lines
+
+
+def _when(first: int, end: int, rate: float) -> str:
+    return f"from {first / rate:.2f} to {end / rate:.2f} s"
+
+
+def clip_of(take: Take, skeleton: Skeleton, choices: Choices | None = None, posture: Array | None = None) -> Captured:
+    """The clip of a take, in the human's floor frame at its first frame, with derived importance and relaxed fingers.
+
+    Args:
+        take: as it came.
+        skeleton: the human who shall perform it.
+        choices: what was decided about it.
+        posture: (15, 4) the links' rotations in which the subject stood, were they to face +x; upright if left out.
+
+    Raises:
+        DataError: nobody stands still in it, or a sensor gave nothing at all.
+    """
+    choices = choices or Choices()
+    missing = gaps(take)
+    whole = fill(take)
+    jumping = jumps(whole)
+    if choices.mend:
+        whole = mend(whole, jumping)
+    whole = smoothed(whole, choices.cutoff)
+    calibration = calibrate(whole, posture, choices.upright, choices.facing)
+    links = link_rotations(whole.world_rotations(), calibration.sensor_to_link)
+    grounded = ground(skeleton, joint_rotations(skeleton, links), None, take.rate)
+    clip = Clip(
+        rotations=grounded.rotations,
+        root=grounded.root,
+        importance=np.ones((take.frames, len(LINKS) + 1)),
+        contacts=grounded.contacts,
+        rate=take.rate,
+        header=ClipHeader(origin=take.header.origin, human=skeleton.name),
+    )
+    return Captured(derive(begun_at_origin(clip), skeleton), calibration, missing, jumping, choices.mend)
 
 
 def joint_rotations(skeleton: Skeleton, world: Array) -> Array:
@@ -22,4 +116,4 @@ def joint_rotations(skeleton: Skeleton, world: Array) -> Array:
     out[..., 0, :] = world[..., 0, :]
     parents = list(PARENTS[1:tracked])
     out[..., 1:tracked, :] = multiply(conjugate(world[..., parents, :]), world[..., 1:, :])
-    return continuous(normalize(out))
+    return continuous(normalize(out)) if out.ndim == 3 else normalize(out)

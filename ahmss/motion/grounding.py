@@ -8,7 +8,7 @@ rotation; hip and knee bend.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +54,7 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
     if root is None:
         root = from_standing_parts(skeleton, rotations, rate)
     points = foot_points(skeleton, rotations, root)
-    bears = bearing(points.reshape(len(points), 6, 3), rate).reshape(-1, 2, 3).any(axis=-1)
+    bears: Any = bearing(points.reshape(len(points), 6, 3), rate).reshape(-1, 2, 3).any(axis=-1)
     carried = np.zeros((len(root), 2, 3))
     stands = np.zeros((len(root), 2))
     for foot in range(2):
