@@ -27,6 +27,7 @@ from ahmss.motion.planting import feet
 __all__ = ["Grounded", "ground"]
 
 _GAP = 0.15  # seconds; a foot that bears again so soon never left
+_OFF = 0.01  # metres over the height at which it stands where a foot has left the ground
 _EASE = 0.12  # seconds before a foot lands and after it leaves over which it is caught and let go
 _LOWEST = 0.008  # metres over its lowest part at which another part of a foot counts little
 _REACH = 0.995  # share of a leg's length that a foot which stands may ask for
@@ -58,7 +59,7 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
     carried = np.zeros((len(root), 2, 3))
     stands = np.zeros((len(root), 2))
     for foot in range(2):
-        stances = _joined(runs(bears[:, foot]), _GAP * rate)
+        stances = _joined(_settled(points[:, foot, :, 2].min(axis=1), runs(bears[:, foot])), _GAP * rate)
         for first, end in stances:
             stands[first:end, foot] = 1.0
         carried[:, foot] = _carried(points[:, foot], stances, rate)
@@ -66,6 +67,15 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
     wanted[..., :3] += carried
     root = _within_reach(skeleton, rotations, root, wanted, stands, rate)
     return Grounded(_solved(skeleton, rotations, root, wanted), root, stands)
+
+
+def _settled(lowest: Array, stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Stretches (first, end) without what a foot, its lowest part at heights (frames,), still comes down or goes up."""
+    out: list[tuple[int, int]] = []
+    for first, end in stretches:
+        down = np.flatnonzero(lowest[first:end] < np.median(lowest[first:end]) + _OFF)
+        out.append((first + int(down[0]), first + int(down[-1]) + 1))
+    return out
 
 
 def _joined(stretches: list[tuple[int, int]], gap: float) -> list[tuple[int, int]]:
@@ -90,12 +100,9 @@ def _carried(points: Array, stances: list[tuple[int, int]], rate: float) -> Arra
             piece -= piece.mean(axis=0)  # over the ground as much before the middle of the stance as after it
             piece[:, 2] = -lowest[first:end]
         carried = _joined_smoothly(len(points), pieces, stances, _EASE * rate)
-    wide = max(round(2 * _SMOOTH * rate), 1)
-    sunk = maximum_filter1d(np.maximum(-(lowest + carried[:, 2]), 0.0), 2 * wide + 1, mode="nearest")
-    sunk = gaussian_filter1d(sunk, _SMOOTH * rate, mode="nearest", truncate=2.0)
-    for first, end in stances:
-        sunk[first:end] = 0.0
-    carried[:, 2] += sunk
+    sunk = np.maximum(-(lowest + carried[:, 2]), 0.0)
+    held = _held(len(points), stances, _EASE * rate)
+    carried[:, 2] += held * sunk + (1.0 - held) * _over(sunk, rate)
     return carried
 
 
@@ -131,6 +138,23 @@ def _joined_smoothly(frames: int, pieces: list[Array], stances: list[tuple[int, 
     return out
 
 
+def _held(frames: int, stances: list[tuple[int, int]], ease: float) -> Array:
+    """How firmly the ground holds a foot (frames,): 1 in its stances, growing before them and fading after."""
+    held = np.zeros(frames)
+    for first, end in stances:
+        away = np.maximum(np.maximum(first - np.arange(frames), np.arange(frames) - (end - 1)), 0)
+        held = np.maximum(held, minimum_jerk(1.0 - away / (ease + 1.0)))
+    return held
+
+
+def _over(values: Array, rate: float) -> Array:
+    """A smooth curve (frames,) that lies over values (frames,) and near them."""
+    wide = max(round(2 * _SMOOTH * rate), 1)
+    return gaussian_filter1d(
+        maximum_filter1d(values, 2 * wide + 1, mode="nearest"), _SMOOTH * rate, mode="nearest", truncate=2.0
+    )
+
+
 def _end_speeds(piece: Array) -> tuple[Array, Array]:
     """How fast a piece (n, 3) changes at its beginning and its end, a frame."""
     few = min(3, len(piece) - 1)
@@ -160,10 +184,7 @@ def _within_reach(
         aside = np.minimum(np.linalg.norm(away[:, :2], axis=1), length)
         most = np.sqrt(length**2 - aside**2)
         lower = np.maximum(lower, stands[:, foot] * np.maximum(away[:, 2] - most, 0.0))
-    wide = max(round(2 * _SMOOTH * rate), 1)
-    lower = maximum_filter1d(lower, 2 * wide + 1, mode="nearest")
-    lower = gaussian_filter1d(lower, _SMOOTH * rate, mode="nearest", truncate=2.0)
-    return root - lower[:, None] * np.array([0.0, 0.0, 1.0])
+    return root - _over(lower, rate)[:, None] * np.array([0.0, 0.0, 1.0])
 
 
 def _solved(skeleton: Skeleton, rotations: Array, root: Array, wanted: Array) -> Array:
