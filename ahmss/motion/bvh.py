@@ -7,16 +7,14 @@ channel stands in place of the offset. Facts: Meredith & Maddock, Motion Capture
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import IDENTITY, from_axis_angle, multiply
-from ahmss.errors import DataError
+from ahmss.motion.lines import Lines
 from ahmss.motion.source import SourceMotion
 
 __all__ = ["read_bvh"]
@@ -37,43 +35,13 @@ class _Joint:
     channels: tuple[str, ...] = ()
 
 
-@dataclass
-class _Lines:
-    """The file's lines that hold something, with their numbers."""
-
-    path: Path
-    rows: Iterator[tuple[int, list[str]]]
-    number: int = 0
-    words: list[str] = field(default_factory=list[str])
-
-    def next(self, wanted: str) -> list[str]:
-        """The words of the next line.
-
-        Raises:
-            DataError: the file ends; says what was wanted.
-        """
-        row = next(self.rows, None)
-        if row is None:
-            raise self.error(f"the file ends where {wanted} should stand; is it cut short?")
-        self.number, self.words = row
-        return self.words
-
-    def error(self, message: str) -> DataError:
-        """The error at this line."""
-        return DataError(self.path, f"line {self.number}", message)
-
-
 def read_bvh(path: Path) -> SourceMotion:
     """The motion in a BVH file, in its own units and axes.
 
     Raises:
         DataError: the file is missing or damaged; names the line and what should stand there.
     """
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise DataError(path, "", f"can't be read ({error.strerror})") from error
-    lines = _Lines(path, _split(text))
+    lines = Lines.of(path)
     joints = _hierarchy(lines)
     frames, step = _times(lines)
     values = _values(lines, frames, sum(len(joint.channels) for joint in joints))
@@ -90,23 +58,15 @@ def read_bvh(path: Path) -> SourceMotion:
     )
 
 
-def _split(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Numbered lines as words, braces apart from names."""
-    for number, line in enumerate(text.splitlines(), start=1):
-        words = line.replace("{", " { ").replace("}", " } ").split()
-        if words:
-            yield number, words
-
-
-def _hierarchy(lines: _Lines) -> list[_Joint]:
+def _hierarchy(lines: Lines) -> list[_Joint]:
     """All joints and ends, parents first; the line that starts the motion has been read."""
-    if lines.next("HIERARCHY")[0].upper() != "HIERARCHY":
-        raise lines.error(f'a BVH file starts with HIERARCHY, not "{lines.words[0][:20]}"')
+    words = lines.next("HIERARCHY")
+    if words[0].upper() != "HIERARCHY":
+        raise lines.error(f'a BVH file starts with HIERARCHY, not "{words[0][:20]}"')
     joints: list[_Joint] = []
     open_joints: list[int] = []
     named = -1  # the joint whose brace is still to come
-    while lines.next("MOTION")[0].upper() != "MOTION":
-        words = lines.words
+    while (words := lines.next("MOTION"))[0].upper() != "MOTION":
         while words:
             keyword = words[0].upper()
             if keyword in ("ROOT", "JOINT", "END"):
@@ -128,7 +88,7 @@ def _hierarchy(lines: _Lines) -> list[_Joint]:
     return joints
 
 
-def _named(lines: _Lines, words: list[str], joints: list[_Joint], open_joints: list[int]) -> _Joint:
+def _named(lines: Lines, words: list[str], joints: list[_Joint], open_joints: list[int]) -> _Joint:
     """The joint that a ROOT, JOINT or End Site line names."""
     parent = open_joints[-1] if open_joints else -1
     root = words[0].upper() == "ROOT"
@@ -144,10 +104,10 @@ def _named(lines: _Lines, words: list[str], joints: list[_Joint], open_joints: l
     return _Joint(name, parent, lines.number)
 
 
-def _measure(lines: _Lines, words: list[str], joint: _Joint) -> list[str]:
+def _measure(lines: Lines, words: list[str], joint: _Joint) -> list[str]:
     """Take in a joint's OFFSET or CHANNELS, and give the words that follow."""
     if words[0].upper() == "OFFSET":
-        joint.offset = tuple(_number(lines, word) for word in words[1:4])
+        joint.offset = tuple(lines.value(word) for word in words[1:4])
         if len(joint.offset) != 3:
             raise lines.error(f"OFFSET of {joint.name} has {len(joint.offset)} numbers; it must have 3")
         return words[4:]
@@ -163,22 +123,12 @@ def _measure(lines: _Lines, words: list[str], joint: _Joint) -> list[str]:
     return words[2 + count :]
 
 
-def _check(lines: _Lines, joint: _Joint) -> None:
+def _check(lines: Lines, joint: _Joint) -> None:
     if joint.offset is None:
         raise lines.error(f"{joint.name} of line {joint.line} has no OFFSET")
 
 
-def _number(lines: _Lines, word: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        raise lines.error(f'"{word[:20]}" is not a number') from None
-    if not math.isfinite(value):
-        raise lines.error(f'"{word[:20]}" is not a finite number')
-    return value
-
-
-def _times(lines: _Lines) -> tuple[int, float]:
+def _times(lines: Lines) -> tuple[int, float]:
     """Number of frames, and seconds from one to the next."""
     words = lines.next("Frames:")
     if words[0].lower() != "frames:" or len(words) != 2 or not words[1].isdigit() or int(words[1]) < 1:
@@ -189,7 +139,7 @@ def _times(lines: _Lines) -> tuple[int, float]:
     words = lines.next("Frame Time:")
     if [word.lower() for word in words[:2]] != ["frame", "time:"] or len(words) != 3:
         raise lines.error('here must stand "Frame Time:" and its seconds')
-    step = _number(lines, words[2])
+    step = lines.value(words[2])
     if not 1e-4 <= step <= 10.0:
         raise lines.error(f"a frame time of {step:g} s; it must be from 0.0001 to 10 s")
     return frames, step
@@ -201,24 +151,21 @@ def _rate(step: float) -> float:
     return float(round(rate)) if abs(rate - round(rate)) < 1e-3 * rate and rate > 1.0 else rate
 
 
-def _values(lines: _Lines, frames: int, channels: int) -> Array:
+def _values(lines: Lines, frames: int, channels: int) -> Array:
     """The table (frames, channels)."""
     values = np.empty((frames, channels))
     for frame in range(frames):
-        try:
-            words = lines.next("a frame")
-        except DataError:
-            raise lines.error(f"the file ends after {frame} of {frames} frames; is it cut short?") from None
+        words = lines.next(f"frame {frame} of {frames}")
         if len(words) != channels:
             raise lines.error(f"frame {frame} has {len(words)} numbers; the joints have {channels} channels")
         try:
             values[frame] = words
         except ValueError:
-            values[frame] = [_number(lines, word) for word in words]
+            values[frame] = [lines.value(word) for word in words]
         if not np.isfinite(values[frame]).all():
             raise lines.error(f"frame {frame} has a number that is not finite")
-    for number, words in lines.rows:
-        raise DataError(lines.path, f"line {number}", f'"{words[0][:20]}" follows the last of {frames} frames')
+    if lines.peek() is not None:
+        raise lines.error(f"more follows the last of {frames} frames; Frames: must say how many there are")
     return values
 
 

@@ -10,11 +10,13 @@ from ahmss.body.links import LINKS
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import CommandError, DataError
 from ahmss.motion.alignment import BodyMotion, align
+from ahmss.motion.asf import read_amc
 from ahmss.motion.bvh import read_bvh
 from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.grounding import ground
 from ahmss.motion.naming import parts_of
 from ahmss.motion.retarget import leg_length, retarget
+from ahmss.motion.source import SourceMotion
 from ahmss.motion.units import UNITS, guess_unit
 
 __all__ = ["import_clip", "read_body"]
@@ -69,9 +71,7 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     """
     if unit is not None and unit not in UNITS:
         raise CommandError(f'no unit "{unit}"; known are {", ".join(UNITS)}')
-    if path.suffix.lower() != ".bvh":
-        raise DataError(path, "", f'a motion file ends in .bvh, not "{path.suffix}"')
-    source = read_bvh(path)
+    source = _read(path)
     parts = parts_of(source)
     body, said = align(source, parts, 1.0)
     report = [f"{source.format}, {source.frames} frames, names as in {parts.family} files"]
@@ -84,3 +84,14 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
         report.append(f"no known unit fits, so lengths are scaled to a person of {stature:.2f} m")
     body = BodyMotion(body.rotations, metres * body.places, metres * body.toes, body.rate)
     return body, [*report, *said]
+
+
+def _read(path: Path) -> SourceMotion:
+    """The file's joints, by what its name ends in."""
+    readers = {".bvh": read_bvh, ".amc": read_amc}
+    ending = path.suffix.lower()
+    if ending == ".asf":
+        raise DataError(path, "", "this is a skeleton alone; name the .amc file that goes with it")
+    if ending not in readers:
+        raise DataError(path, "", f'motion files end in {", ".join(readers)} or .c3d, not "{path.suffix}"')
+    return readers[ending](path)

@@ -20,7 +20,6 @@ class SourceMotion:
     names (J,) and parents (J,), -1 for a root; parents stand before their children. Ends of chains are joints too, with
     their parent's name and "_end". offsets (J, 3): each joint in its parent's frame when nothing moves. rotations
     (F, J, 4) unit quaternions, parent <- child. translations (F, J, 3): the offsets, or what the file has instead.
-    metres: of one unit of length, where the file says it.
     """
 
     file: Path
@@ -31,7 +30,6 @@ class SourceMotion:
     rotations: Array
     translations: Array
     rate: float
-    metres: float | None = None
 
     @property
     def frames(self) -> int:
