@@ -17,7 +17,7 @@ __all__ = ["ALL_STATIONS", "Command", "CommandDecoder", "encode"]
 ALL_STATIONS = 0
 """The station number of a command that is meant for every station (Liberty writes `*`)."""
 
-_CR = 0x0D
+_ENDS = b"\r\n"
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,8 @@ class CommandDecoder:
     """A device's ear: bytes in, commands out, however they are cut up.
 
     What no command begins with becomes `Command("unknown", text=...)`: a real device answers it with an error. A letter
-    that needs no CR acts at once. Line feeds are ignored. `station` without arguments asks which stations there are.
+    that needs no CR acts at once. A line feed ends a command as CR does: public drivers send either. `station` without
+    arguments asks which stations there are.
     """
 
     def __init__(self, kind: Kind) -> None:
@@ -136,9 +137,9 @@ class CommandDecoder:
         """The commands that these bytes complete, in their order."""
         commands: list[Command] = []
         for byte in data:
-            if byte == 0x0A or (byte == _CR and not self._pending):
+            if byte in _ENDS and not self._pending:
                 continue
-            if byte != _CR:
+            if byte not in _ENDS:
                 self._pending.append(byte)
                 command = self._at_once()
             else:
