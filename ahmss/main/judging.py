@@ -50,6 +50,6 @@ def judge(path: Path) -> list[str]:
             lines.append(
                 f"{name}: {len(root)} frames; joint acceleration p99 {quality.joints.acceleration_p99:.0f}, max "
                 f"{quality.joints.acceleration_max:.0f} rad/s2; largest pop {quality.pop.degrees:.2f} degrees "
-                f"({quality.pop.joint}, frame {quality.pop.frame})"
+                f"({quality.names[quality.pop.joint]}, frame {quality.pop.frame})"
             )
     return lines

@@ -14,13 +14,13 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
 
-__all__ = ["POINTS", "bearing", "contacts", "foot_points", "runs", "speeds"]
+__all__ = ["LOW", "POINTS", "SHORTEST", "SLOW", "bearing", "contacts", "foot_points", "runs", "speeds"]
 
 POINTS = ("heel", "ball", "toe")
 
-_LOW = 0.05  # metres above the floor
-_SLOW = 0.5  # metres a second
-_SHORTEST = 0.1  # seconds
+LOW = 0.05  # metres above the floor
+SLOW = 0.5  # metres a second
+SHORTEST = 0.1  # seconds
 _FEET = [INDEX["right_foot"], INDEX["left_foot"]]
 _MIRROR = np.array([1.0, -1.0, 1.0])
 
@@ -41,8 +41,8 @@ def speeds(points: Array, rate: float) -> Array:
 
 def bearing(points: Array, rate: float, floor: float = 0.0) -> NDArray[np.bool_]:
     """Which points (frames, n, 3) bear: lower than 5 cm over the floor and slower than 0.5 m/s for 0.1 s or longer."""
-    low_and_slow = (points[..., 2] < floor + _LOW) & (speeds(points, rate) < _SLOW)
-    shortest = max(round(_SHORTEST * rate), 1)
+    low_and_slow = (points[..., 2] < floor + LOW) & (speeds(points, rate) < SLOW)
+    shortest = max(round(SHORTEST * rate), 1)
     out = np.zeros_like(low_and_slow)
     for point in range(points.shape[1]):
         for first, last in runs(low_and_slow[:, point]):

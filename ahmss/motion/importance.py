@@ -26,7 +26,7 @@ from ahmss.body.quaternion import conjugate, multiply, norm, rotate, to_rotation
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip
 from ahmss.motion.edit import floor_frame
-from ahmss.motion.quality import angular_steps
+from ahmss.motion.smoothness import angular_steps
 
 __all__ = ["derive", "importance_of"]
 

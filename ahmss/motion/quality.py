@@ -1,85 +1,70 @@
-"""How natural a motion measures: joint acceleration and jerk, pops of one frame, and feet that slide.
+"""How natural a motion measures, beside the figures of real capture in docs/conventions.md.
 
-The figures for real capture that these compare to stand in docs/conventions.md. Smoothed figures hide a pop of a single
-frame, so pops are measured on the raw rotations.
+Ten figures: how still the feet stand, how smoothly the joints turn, what pops, what sinks, what bends too far.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 from ahmss.body.array import Array
-from ahmss.body.links import LINKS
-from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX, LINKS
+from ahmss.body.quaternion import IDENTITY, conjugate, multiply, norm, normalize, rotate, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.contact import bearing, foot_points, runs, speeds
-from ahmss.motion.resample import interpolate_rotations
+from ahmss.motion.contact import foot_points
+from ahmss.motion.footing import Support, declared, drifts, found, support
+from ahmss.motion.smoothness import JointMotion, Pop, joint_motion, worst_pop
 
-__all__ = ["JointMotion", "Pop", "Quality", "Support", "joint_motion", "measure", "pops", "support", "worst_pop"]
+__all__ = ["Excess", "Quality", "beyond_limits", "measure"]
 
-_RATE = 60.0  # joint figures are those of motion resampled to this
-_CUTOFF = 10.0  # hertz, of the zero-phase filter of angular velocity
-_TRIM = 6  # frames left out at both ends, where the filter has no past or no future
-
-
-@dataclass(frozen=True)
-class JointMotion:
-    """Angular acceleration (rad/s2), its maximum and 99th percentile over joints and frames, and jerk (rad/s3)."""
-
-    acceleration_max: float
-    acceleration_p99: float
-    jerk_max: float
-    joint: int  # where the acceleration is largest
+_BODY = 15  # the first links; fingers, which the known captures lack, would dilute the percentile
+_FEET = [INDEX["right_foot"], INDEX["left_foot"]]
+_HINGES = [INDEX[f"{side}_lower_{limb}"] - 1 for side in ("right", "left") for limb in ("arm", "leg")]  # hips left out
 
 
-@dataclass(frozen=True)
-class Support:
-    """How still the feet stand: speed of the slowest foot point (m/s), slide of each stance, drift of each contact (m).
-
-    A stance is a foot's time on the ground; a contact one bearing point's.
-    """
-
-    speed_mean: float
-    speed_p95: float
-    slides: tuple[float, ...]
-    drifts: tuple[float, ...]
-
-    @property
-    def slide_mean(self) -> float:
-        """The mean slide of a stance, metres; 0 where there is none."""
-        return float(np.mean(self.slides)) if self.slides else 0.0
-
-    @property
-    def drift_max(self) -> float:
-        """The longest drift of a contact, metres; 0 where there is none."""
-        return max(self.drifts, default=0.0)
-
-
-@dataclass(frozen=True)
-class Pop:
-    """The step from frame to frame that differs most from the mean of its neighbours."""
+class Excess(NamedTuple):
+    """By how much a joint is beyond its limits at the most, degrees, and where; the hips have none."""
 
     degrees: float
-    frame: int  # the step leads to this frame
-    joint: str
+    frame: int
+    joint: int
 
 
 @dataclass(frozen=True)
 class Quality:
-    """What `measure` found."""
+    """What was measured. Lengths in metres; joints are counted as in `names`."""
 
     joints: JointMotion
     support: Support
+    drifts: tuple[float, ...]
     pop: Pop
+    sunk: float
+    excess: Excess
+    names: tuple[str, ...] = LINKS
+
+    def figures(self) -> dict[str, float]:
+        """The ten figures by their names, which carry their units where those are not m/s, rad/s2 and rad/s3."""
+        figures = {
+            "support_speed_mean": self.support.speed_mean,
+            "support_speed_p95": self.support.speed_p95,
+            "slide_per_stance_cm": 100.0 * self.support.slide_mean,
+            "alpha_max": self.joints.acceleration_max,
+            "alpha_p99": self.joints.acceleration_p99,
+            "jerk_max": self.joints.jerk_max,
+            "pop_deg": self.pop.degrees,
+            "contact_drift_mm": 1000.0 * max(self.drifts, default=0.0),
+            "floor_penetration_mm": 1000.0 * self.sunk,
+            "joint_limit_excess_deg": self.excess.degrees,
+        }
+        return {name: round(value, 6) for name, value in figures.items()}
 
 
 def measure(rotations: Array, root: Array, rate: float, skeleton: Skeleton, contacts: Array | None = None) -> Quality:
-    """Measure a motion.
+    """Measure a human's motion.
 
     Args:
         rotations: (frames, 43, 4) unit quaternions, parent <- child; at least 3 frames.
@@ -88,78 +73,43 @@ def measure(rotations: Array, root: Array, rate: float, skeleton: Skeleton, cont
         skeleton: the human's measures.
         contacts: (frames, 2) right and left foot, where they are known; else they are found by height and speed.
     """
-    points = foot_points(skeleton, rotations, root)
-    flat = points.reshape(len(points), 6, 3)
-    bears = bearing(flat, rate)
-    if contacts is not None:
-        bears &= np.repeat(contacts > 0.5, 3, axis=1)
-    return Quality(joint_motion(rotations, rate), support(points, bears.reshape(-1, 2, 3), rate), worst_pop(rotations))
-
-
-def joint_motion(rotations: Array, rate: float) -> JointMotion:
-    """Acceleration and jerk of joints, rotations (frames, joints, 4), as defined for real capture.
-
-    Resampled to 60 Hz by a spline, angular velocity smoothed by a zero-phase Butterworth filter of 10 Hz, central
-    differences, the ends left out. Motions shorter than half a second measure 0.
-    """
-    duration = (len(rotations) - 1) / rate
-    if duration < 0.5:
-        return JointMotion(0.0, 0.0, 0.0, 0)
-    known = np.arange(len(rotations)) / rate
-    at_60 = interpolate_rotations(known, rotations, np.arange(int(duration * _RATE) + 1) / _RATE)
-    velocity = angular_steps(at_60) * _RATE
-    smooth = sosfiltfilt(butter(2, _CUTOFF, fs=_RATE, output="sos"), velocity, axis=0)
-    acceleration = np.gradient(smooth, 1.0 / _RATE, axis=0)
-    jerk = np.gradient(acceleration, 1.0 / _RATE, axis=0)
-    size = np.linalg.norm(acceleration, axis=-1)[_TRIM:-_TRIM]
-    return JointMotion(
-        acceleration_max=float(size.max()),
-        acceleration_p99=float(np.percentile(size, 99.0)),
-        jerk_max=float(np.linalg.norm(jerk, axis=-1)[_TRIM:-_TRIM].max()),
-        joint=int(np.unravel_index(size.argmax(), size.shape)[1]),
+    soles = foot_points(skeleton, rotations, root)
+    places, world = forward(rotations, root, skeleton.offsets)
+    points = soles.copy()
+    points[:, :, 0] = places[:, _FEET]  # the ankle, as in the captures that the figures are compared with
+    points[:, :, 0, 2] += skeleton.soles[0, 2]
+    ends = places + rotate(world, skeleton.tips)
+    lowest = min(float(part[..., 2].min()) for part in (soles, places, ends))
+    return Quality(
+        joints=joint_motion(rotations, rate, _BODY),
+        support=support(points, rate),
+        drifts=drifts(soles, found(soles, rate) if contacts is None else declared(soles, contacts)),
+        pop=worst_pop(rotations),
+        sunk=max(-lowest, 0.0),
+        excess=beyond_limits(rotations, skeleton),
     )
 
 
-def angular_steps(rotations: Array) -> Array:
-    """What joints turn from frame to frame (frames - 1, joints, 3): rotation vectors in their own frames, radians."""
-    return to_rotation_vector(multiply(conjugate(rotations[:-1]), rotations[1:]))
+def beyond_limits(rotations: Array, skeleton: Skeleton) -> Excess:
+    """By how much joints (frames, 43, 4) are turned beyond the skeleton's limits, from upright, axis by axis.
 
-
-def pops(rotations: Array) -> Array:
-    """For each inner step, by how much it differs from its neighbours' mean (frames - 3, joints), degrees."""
-    steps = angular_steps(rotations)
-    return np.degrees(np.linalg.norm(steps[1:-1] - 0.5 * (steps[:-2] + steps[2:]), axis=-1))
-
-
-def worst_pop(rotations: Array) -> Pop:
-    """The largest pop; of fewer than 4 frames, none."""
-    if len(rotations) < 4:
-        return Pop(0.0, 0, LINKS[0])
-    sizes = pops(rotations)
-    step, joint = np.unravel_index(sizes.argmax(), sizes.shape)
-    return Pop(float(sizes[step, joint]), int(step) + 2, LINKS[int(joint)] if len(LINKS) > joint else str(joint))
-
-
-def support(points: Array, bears: NDArray[np.bool_], rate: float) -> Support:
-    """How still the feet stand.
-
-    Args:
-        points: (frames, 2, n, 3) points of the right and the left foot, metres, the floor at z = 0.
-        bears: (frames, 2, n) which of them bear.
-        rate: frames a second.
+    Limits are of the rotation vector's components. Elbows and knees, though, bend first and then turn about their own
+    length, as the limbs are solved: there the turn is taken apart, or a bent forearm's twist would pass for a sideways
+    bend.
     """
-    speed = speeds(points, rate)
-    slowest = speed.reshape(len(speed), -1).min(axis=1)
-    feet: Any = bears.any(axis=-1)
-    slides = [
-        float(speed[first:last, foot].min(axis=-1).sum() / rate)
-        for foot in range(2)
-        for first, last in runs(feet[:, foot])
-    ]
-    drifts = [
-        float(np.linalg.norm(points[first:last, foot, point, :2] - points[first, foot, point, :2], axis=-1).max())
-        for foot in range(2)
-        for point in range(points.shape[2])
-        for first, last in runs(bears[:, foot, point])
-    ]
-    return Support(float(slowest.mean()), float(np.percentile(slowest, 95.0)), tuple(slides), tuple(drifts))
+    upright, _ = skeleton.upright()
+    turned = multiply(conjugate(upright[1:]), rotations[:, 1:])
+    angles = to_rotation_vector(turned)
+    angles[:, _HINGES] = _bend_and_turn(turned[:, _HINGES])
+    low, high = skeleton.limits[1:, :, 0], skeleton.limits[1:, :, 1]
+    beyond = np.maximum(np.maximum(low - angles, angles - high), 0.0).max(axis=-1)
+    frame, joint = np.unravel_index(beyond.argmax(), beyond.shape)
+    return Excess(float(np.degrees(beyond.max())), int(frame), int(joint) + 1)
+
+
+def _bend_and_turn(rotations: Array) -> Array:
+    """Angles (..., 3) of rotations (..., 4) that are a bend, about y and z, after a turn about x."""
+    turn = rotations * np.array([1.0, 1.0, 0.0, 0.0])
+    turn = normalize(np.where(norm(turn)[..., None] < 1e-12, IDENTITY, turn))
+    bend = to_rotation_vector(multiply(rotations, conjugate(turn)))
+    return np.concatenate([to_rotation_vector(turn)[..., :1], bend[..., 1:]], axis=-1)

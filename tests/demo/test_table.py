@@ -10,7 +10,7 @@ from ahmss.body.inverse import RIGHT_HAND
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.motion.contact import foot_points
-from ahmss.motion.quality import joint_motion, worst_pop
+from ahmss.motion.smoothness import joint_motion, worst_pop
 
 from .conftest import CUP, DOOR
 from .recorded import Recorded
