@@ -12,8 +12,10 @@ from ahmss.errors import CommandError, DataError
 from ahmss.motion.alignment import BodyMotion, align
 from ahmss.motion.asf import read_amc
 from ahmss.motion.bvh import read_bvh
+from ahmss.motion.c3d import read_c3d
 from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.grounding import ground
+from ahmss.motion.markers import body_of_markers
 from ahmss.motion.naming import parts_of
 from ahmss.motion.retarget import leg_length, retarget
 from ahmss.motion.source import SourceMotion
@@ -71,6 +73,10 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     """
     if unit is not None and unit not in UNITS:
         raise CommandError(f'no unit "{unit}"; known are {", ".join(UNITS)}')
+    if path.suffix.lower() == ".c3d":
+        markers = read_c3d(path)
+        body, report = body_of_markers(markers)
+        return body, [f"C3D, {body.frames} frames of {len(markers.names)} markers", *report]
     source = _read(path)
     parts = parts_of(source)
     body, said = align(source, parts, 1.0)
