@@ -2,10 +2,10 @@
 
 The header names four numbers: frame number, bytes of the frame, of the header, of a record. A record has a pad, the
 board (`0` to `7`), the update flag, the station on its board (`1` or `2`), a pad, float32 position (3) and quaternion
-(4, w first) in the sender's byte order, which is little-endian on its PC. The station's number is 2 (board - `0`) +
+(4, w first) in the byte order of the sender, a PC: little-endian. The station's number is 2 (board - `0`) +
 (station - `0`), 1 to 16 (the facts after OpenTracker's reader, whose numbers begin at 0).
 
-Nothing tells what the update flag means. Here `0` and NUL say that nothing new was measured, and the record is left out.
+Nothing tells what the update flag means. Here `0` and NUL say that nothing new was measured; such a record is left out.
 """
 
 from __future__ import annotations

@@ -1,0 +1,178 @@
+"""Readings of one line become sweeps: one pass over the line's stations, with a number that tells what was lost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ahmss.capture.formats.losses import Losses
+from ahmss.capture.stations import Reading
+
+__all__ = ["Assembler", "Sweep"]
+
+_WRAP = 1 << 32  # devices count in 32 bits
+_BELIEVED = 3  # so many records that agree on another frame number are right
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One pass over the stations of a line.
+
+    number: of the device's frames, with gaps where some were lost; begins anywhere.
+    readings: by station, as the configuration numbers them.
+    arrival: of the last reading, monotonic seconds.
+    fresh: the numbers begin anew here (the first sweep, or the device was restarted).
+    """
+
+    number: int
+    readings: dict[int, Reading]
+    arrival: float
+    fresh: bool = False
+
+
+@dataclass
+class _Open:
+    """A sweep that is still coming in; `began` is when its first reading came."""
+
+    began: float
+    readings: dict[int, Reading] = field(default_factory=dict[int, Reading])
+    arrival: float = 0.0
+
+
+class Assembler:
+    """Groups readings by the device's frame count, or, where there is none, by the order of the stations.
+
+    A device sends its stations in rising order, a sweep after the other, so a sweep is over when it is complete or
+    when the next one has begun in earnest: one record with a wrong count does not end it.
+    """
+
+    def __init__(self, stations: Sequence[int], rate: float, losses: Losses, *, counted: bool) -> None:
+        """Make one for a line.
+
+        Args:
+            stations: the configuration's numbers of the device's stations 1, 2, ...
+            rate: sweeps a second.
+            losses: where they are counted.
+            counted: the device's records carry a frame count.
+        """
+        self._names = dict(enumerate(stations, 1))
+        self._expected = len(stations)
+        self._window = max(10, round(rate))
+        self._patience = 2.5 / rate
+        self._losses = losses
+        self._open: dict[int, _Open] = {}
+        self._done: int | None = None
+        self._fresh = True
+        self._strangers: list[int] = []
+        self._clock = None if counted else _SweepClock(rate)
+        self._pause = 1.5 / rate
+        self._pass = 0
+        self._last_station = 0
+
+    def expect(self, active: Sequence[int]) -> None:
+        """The device said which of its own stations are on: a sweep of these is complete."""
+        self._expected = len([local for local in active if local in self._names]) or len(self._names)
+
+    def feed(self, readings: Sequence[Reading]) -> list[Sweep]:
+        """The sweeps that these readings complete."""
+        sweeps: list[Sweep] = []
+        for reading in readings:
+            name = self._names.get(reading.station)
+            if name is None:
+                self._losses.damaged += 1
+                continue
+            count = self._place(reading)
+            if count is not None:
+                sweeps += self._add(count, name, reading)
+        return self._numbered(sweeps)
+
+    def flush(self, now: float) -> list[Sweep]:
+        """The sweeps whose rest has not come for so long that it won't."""
+        due = [count for count, sweep in self._open.items() if now - sweep.began > self._patience]
+        return self._numbered(self._close(max(due))) if due else []
+
+    def _place(self, reading: Reading) -> int | None:
+        """The sweep that a reading belongs to, or None where its count can't be."""
+        if reading.count is None:
+            return self._pass_of(reading)
+        if self._done is None:
+            self._done = reading.count - 1
+        ahead = (reading.count - self._done) % _WRAP
+        if 0 < ahead <= self._window:
+            self._strangers.clear()
+            return self._done + ahead
+        if ahead == 0 or ahead > _WRAP - self._window:
+            self._losses.late += 1
+        else:
+            self._losses.miscounted += 1
+        return self._recount(reading.count)
+
+    def _recount(self, count: int) -> int | None:
+        """Begin to count anew where several readings in a row agree on it: the device was restarted."""
+        self._strangers = [other for other in self._strangers if 0 <= count - other <= 1] + [count]
+        if len(self._strangers) < _BELIEVED:
+            return None
+        self._strangers.clear()
+        self._open.clear()
+        self._done, self._fresh = count - 1, True
+        return count
+
+    def _pass_of(self, reading: Reading) -> int:
+        """Without a count: a station that is not behind the last one, or a pause, begins the next sweep."""
+        current = self._open.get(self._pass)
+        paused = current is not None and reading.arrival - current.arrival > self._pause
+        if reading.station <= self._last_station or paused or current is None:
+            self._pass += 1
+        self._last_station = reading.station
+        return self._pass
+
+    def _add(self, count: int, name: int, reading: Reading) -> list[Sweep]:
+        sweep = self._open.setdefault(count, _Open(reading.arrival))
+        sweep.readings[name] = reading
+        sweep.arrival = reading.arrival
+        if len(sweep.readings) >= self._expected:
+            return self._close(count)
+        begun = len(sweep.readings) >= min(2, self._expected) or reading.count is None
+        return self._close(count - 1) if begun else []
+
+    def _close(self, last: int) -> list[Sweep]:
+        """All open sweeps up to this count, in order."""
+        closed: list[Sweep] = []
+        for count in sorted(count for count in self._open if count <= last):
+            sweep = self._open.pop(count)
+            closed.append(Sweep(count, sweep.readings, sweep.arrival, self._fresh))
+            self._fresh = False
+            if self._done is not None:
+                self._done = count
+        return closed
+
+    def _numbered(self, sweeps: list[Sweep]) -> list[Sweep]:
+        if self._clock is None or not sweeps:
+            return sweeps
+        first = self._clock.advance(len(sweeps), sweeps[-1].arrival)
+        return [Sweep(first + at, sweep.readings, sweep.arrival, sweep.fresh) for at, sweep in enumerate(sweeps)]
+
+
+class _SweepClock:
+    """Numbers sweeps that carry no count: one after the other, and a gap where time has gone by without any.
+
+    Arrivals are late at times, never early, so the earliest are believed: `base`, when sweep 0 would have come by
+    them. It may drift by 0.5 % of a period a sweep, as clocks differ. What comes in a burst after a stall of this
+    machine is no loss.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._period = 1.0 / rate
+        self._number = -1
+        self._base: float | None = None
+
+    def advance(self, count: int, arrival: float) -> int:
+        """The number of the first of `count` sweeps, the last of which came now."""
+        last = self._number + count
+        base = arrival - last * self._period if self._base is None else self._base
+        behind = (arrival - base) / self._period - last
+        lost = round(behind) if behind > 1.2 else 0
+        last += lost
+        self._base = min(base + 0.005 * self._period * (count + lost), arrival - last * self._period)
+        self._number = last
+        return last - count + 1

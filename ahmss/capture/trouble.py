@@ -1,0 +1,67 @@
+"""Why a tracker is silent: one sentence with a cure, from what the system says and what came over the line."""
+
+from __future__ import annotations
+
+import errno
+import os
+from dataclasses import dataclass
+
+from serial.tools import list_ports
+
+from ahmss.capture.config import LineConfig, TrackerConfig
+
+__all__ = ["Heard", "of_error", "of_silence"]
+
+
+@dataclass
+class Heard:
+    """What came over a line so far; times are monotonic seconds, 0 for never."""
+
+    opened: float = 0.0
+    bytes: int = 0
+    answered: bool = False
+    stations: tuple[int, ...] | None = None
+    records: int = 0
+    last_record: float = 0.0
+
+
+def of_error(port: str, error: OSError) -> str:
+    """Why a port can't be opened, or went away (pyserial's errors are OSErrors too)."""
+    number = error.errno
+    if number == errno.ENOENT or (number is None and not os.path.exists(port)):
+        others = ", ".join(sorted(other.device for other in list_ports.comports())) or "none"
+        return f"{port}: no such port; plug the tracker in, or give another (this machine has: {others})"
+    if number in (errno.EACCES, errno.EPERM):
+        user = os.environ.get("USER", "$USER")
+        return f"{port}: this user may not open it; type: sudo usermod -aG dialout {user}   (and log in again)"
+    if number in (errno.EBUSY, errno.EAGAIN):
+        return f"{port}: another program has it open; end that one first"
+    if number in (errno.ENOTTY, errno.EINVAL, errno.EISDIR):
+        return f"{port}: this is no serial port, or not one of that speed ({error.strerror or error})"
+    return f"{port}: unplugged, or the adapter went away ({error.strerror or error}); plug it in again"
+
+
+def of_silence(config: TrackerConfig, line: LineConfig, heard: Heard, now: float) -> str:
+    """Why an open line gives no records, or gives none any more."""
+    where, device = line.port, config.kind.upper()
+    if heard.records:
+        quiet = now - heard.last_record
+        return f"{where}: {device} fell silent {quiet:.0f} s ago; look at its power and its cable"
+    if heard.answered and heard.stations == ():
+        return (
+            f"{where}: {device} answers, but sees no sensor; plug in sensors and transmitter, and switch it off and on"
+        )
+    if heard.answered:
+        return (
+            f"{where}: {device} answers, but sends no record that can be read; is kind = {config.kind!r} right, and is "
+            "the transmitter plugged in?"
+        )
+    if heard.bytes:
+        return (
+            f"{where}: bytes come, but nothing that {device} sends; its baud rate is probably not {line.baud} (switches on "
+            "its back set it): `ahmss capture doctor` tries the others"
+        )
+    return (
+        f"{where}: not a byte comes; is the {device} switched on, is the cable plugged in at both ends, and is it the "
+        "right cable (a FASTRAK wants a null modem)?"
+    )
