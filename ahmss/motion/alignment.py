@@ -23,7 +23,7 @@ from ahmss.motion.naming import SIDES, Parts
 from ahmss.motion.resample import interpolate_rotations
 from ahmss.motion.source import SourceMotion
 
-__all__ = ["TRACKED", "BodyMotion", "align"]
+__all__ = ["TRACKED", "BodyMotion", "align", "upward"]
 
 TRACKED = LINKS[:15]
 _WAIST_SHARE = 0.19  # of the way from hips to neck, where our spine's joint lies (Drillis & Contini 1966)
@@ -87,7 +87,7 @@ def align(source: SourceMotion, parts: Parts, metres: float) -> tuple[BodyMotion
         DataError: neither zero pose nor any frame is one of a person who stands.
     """
     places, world = source.world()
-    up = _up(parts, places)
+    up = upward(parts, places)
     reference, kind = _reference(source, parts, places, world, up)
     wanted = _links_in(reference, parts)
     rotations = np.empty((source.frames, len(TRACKED), 4))
@@ -144,7 +144,7 @@ def _places(parts: Parts, places: Array, source: SourceMotion) -> Array:
     return out
 
 
-def _up(parts: Parts, places: Array) -> Array:
+def upward(parts: Parts, places: Array) -> Array:
     """The axis of the file's world that points up: where heads are above feet; y where that says nothing."""
     feet = [parts.limbs["right_foot"], parts.limbs["left_foot"]]
     tall = np.median(places[:, parts.head] - places[:, feet].mean(axis=1), axis=0)
