@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -13,6 +15,7 @@ from ahmss.capture.performance import Performance
 RATE = 60.0
 
 
+@cache
 def subject(frames: int = 90, *, moving: bool = True) -> Performance:
     """Stands still for half a second, then turns all over and walks off sideways."""
     skeleton = Skeleton.of(1.7, "female")

@@ -54,6 +54,8 @@ class Machine:
         if self._faults.off or now < self._asleep:
             return
         for command in self._ear.feed(data):
+            if now < self._asleep:
+                break
             try:
                 self._obey(command, now)
             except (CommandError, ValueError, IndexError):
