@@ -30,6 +30,7 @@ __all__ = [
     "link_rotations",
     "mean_rotation",
     "sensor_to_link",
+    "spread",
     "still_stretch",
     "transmitter_heading",
 ]
@@ -90,7 +91,7 @@ def calibrate(
     return Calibration(
         sensor_to_link=sensor_to_link(mean_rotation(sensors), links),
         stretch=stretch,
-        stillness=float(np.degrees(_spread(take.rotations[slice(*stretch)], stretch[1] - stretch[0])[0])),
+        stillness=float(np.degrees(spread(take.rotations[slice(*stretch)], stretch[1] - stretch[0])[0])),
         facing=heading,
         heading_seen=seen,
     )
@@ -126,14 +127,14 @@ def still_stretch(take: Take) -> tuple[int, int]:
         DataError: nobody stands still anywhere.
     """
     length = max(round(_LONG * take.rate), 2)
-    spread = np.degrees(_spread(take.rotations, length)) if take.frames >= length else np.zeros(0)
-    still = runs(spread < _STILL)
+    strayed = np.degrees(spread(take.rotations, length)) if take.frames >= length else np.zeros(0)
+    still = runs(strayed < _STILL)
     if not still:
         raise DataError(
             "take", "", f"nobody stands still for {_LONG:g} s in it; stand upright and still for two seconds at the "
             "start or the end, or say where you do with --upright FROM TO"
         )  # fmt: skip
-    stretches = [first + int(spread[first:end].argmin()) for first, end in (still[0], still[-1])]
+    stretches = [first + int(strayed[first:end].argmin()) for first, end in (still[0], still[-1])]
     places = take.world_places()[..., 2]
     heights = [_uprightness(places[first : first + length]) for first in stretches]
     first = stretches[1] if heights[1] > heights[0] + _AS_TALL else stretches[0]
@@ -159,7 +160,7 @@ def mean_rotation(rotations: Array) -> Array:
     return np.linalg.eigh(products)[1][..., -1]
 
 
-def _spread(rotations: Array, length: int) -> Array:
+def spread(rotations: Array, length: int) -> Array:
     """How far sensors (F, 15, 4) stray from their mean, radians RMS, in each window (F - length + 1,) of frames.
 
     Of unit quaternions within half a turn, the mean's length is the mean cosine of half their angle from it.

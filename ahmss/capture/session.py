@@ -1,0 +1,222 @@
+"""What `ahmss capture` does at the terminal: it reads what was typed, calls one part, and says what came of it."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ahmss.body.skeleton import Skeleton
+from ahmss.capture import take as takes
+from ahmss.capture.clipping import Captured, Choices, clip_of
+from ahmss.capture.config import load, template
+from ahmss.capture.record import Progress, record
+from ahmss.capture.take import Take
+from ahmss.database.workspace import Workspace
+from ahmss.errors import CommandError
+from ahmss.motion import clip as clips
+
+__all__ = [
+    "Wishes",
+    "calibrate_take",
+    "examine",
+    "go_live",
+    "print_template",
+    "record_clip",
+    "simulate_tracker",
+]
+
+_KINDS = ("fastrak", "liberty", "patriot", "ultratrak")
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What was typed about the clip: the human, seconds of the upright pose, degrees or `sensors`, mend, hertz."""
+
+    body: str
+    upright: tuple[float, float] | None
+    facing: str
+    mend: bool
+    smooth: float
+    workspace: Path | None
+
+    def skeleton(self) -> Skeleton:
+        """Of the human who shall perform it."""
+        return Workspace.find(self.workspace).humans.get(self.body).skeleton
+
+    def choices(self, rate: float) -> Choices:
+        """The same in frames and radians."""
+        upright = None
+        if self.upright is not None:
+            upright = (round(self.upright[0] * rate), round(self.upright[1] * rate))
+        return Choices(upright, facing_of(self.facing), self.mend, self.smooth)
+
+
+def facing_of(text: str) -> float | None:
+    """Degrees as radians; `sensors` as None."""
+    if text == "sensors":
+        return None
+    try:
+        return float(np.radians(float(text)))
+    except ValueError:
+        raise CommandError(f'--facing "{text}"; give degrees to the left of the transmitter\'s x, or sensors') from None
+
+
+def print_template(kind: str) -> None:
+    """A tracker's file to start from."""
+    print(template(_one(kind, _KINDS, "--kind")), end="")
+
+
+def examine(path: Path, *, as_json: bool) -> bool:
+    """Say what is the matter with a tracker; whether anything is."""
+    from ahmss.capture.doctor import examine_tracker
+
+    findings = examine_tracker(load(path))
+    if as_json:
+        print(json.dumps(findings))
+    for finding in [] if as_json else findings:
+        print(finding)
+    return bool(findings)
+
+
+def record_clip(
+    out: Path, config_path: Path, wishes: Wishes, *, seconds: float | None, wait: float, origin: str, as_json: bool
+) -> None:
+    """Record a take and make a clip of it; the take stays whatever becomes of the clip."""
+    config, skeleton = load(config_path), wishes.skeleton()
+    take_path = out.with_suffix(".take.npz")
+    _count_down(wait)
+    with _status() as tell:
+        take, losses = record(config, seconds, tell, origin)
+    takes.save(take, take_path)
+    _say(f"wrote {take_path}: {take.frames} frames, {take.times[-1]:.1f} s at {take.rate:g} a second")
+    _say(losses)
+    _make(take, skeleton, wishes, out, as_json=as_json, more={"take": str(take_path), "losses": losses})
+
+
+def calibrate_take(path: Path, out: Path | None, wishes: Wishes, *, as_json: bool) -> None:
+    """Make a clip of a take that was recorded before."""
+    take = takes.load(path)
+    if out is None:
+        name = path.name.removesuffix(".npz").removesuffix(".take")
+        out = path.with_name(f"{name}.npz")
+        if out == path:
+            raise CommandError(f"{path} would be overwritten; name the clip with --out FILE")
+    _make(take, wishes.skeleton(), wishes, out, as_json=as_json, more={"take": str(path)})
+
+
+def go_live(
+    config_path: Path, options: dict[str, Any], *, server: str, keys: Path | None, seconds: float | None,
+    workspace: Path | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Let the tracker drive a human of the world."""
+    from ahmss.capture.live import Puppet, drive
+    from ahmss.world.client import WorldClient
+    from ahmss.world.keys import read_client
+
+    config, humans = load(config_path), Workspace.find(workspace).humans
+    model = humans.get(options["body"] or options["human"])
+    puppet = Puppet(
+        options["human"], model, options["place"], float(np.radians(options["heading"])), facing_of(options["facing"])
+    )
+    with WorldClient(server, keys=read_client(keys) if keys else None) as client:
+        latency = drive(config, puppet, humans.shape(model.name), client, _say, seconds)
+    _say(latency.sentence)
+    if as_json:
+        print(json.dumps({"byte_to_server_ms": asdict(latency)}))
+
+
+def simulate_tracker(
+    subject: str, body: str, upright: float, options: dict[str, Any], faults: dict[str, Any], stand: dict[str, Any],
+    workspace: Path | None,
+) -> None:  # fmt: skip
+    """Be a tracker before which somebody performs."""
+    from ahmss.capture.casting import performance_of
+    from ahmss.capture.config import TransmitterConfig
+    from ahmss.capture.simulator.faults import Faults
+    from ahmss.capture.simulator.options import SimulatorOptions
+    from ahmss.capture.simulator.run import run_simulator
+
+    _one(options["kind"], _KINDS, "--kind")
+    _one(options["clock"], ("real", "poll"), "--clock")
+    _one(options["after"], ("hold", "loop", "stop"), "--after")
+    _one(options["noise"], ("none", "resolution", "full"), "--noise")
+    skeleton = Workspace.find(workspace).humans.get(body).skeleton
+    performance = performance_of(subject, skeleton, upright)
+    run_simulator(
+        SimulatorOptions(
+            performance=performance, faults=Faults(**faults), transmitter=TransmitterConfig(**stand), **options
+        )
+    )
+
+
+def _make(take: Take, skeleton: Skeleton, wishes: Wishes, out: Path, *, as_json: bool, more: dict[str, Any]) -> None:
+    """Make a clip of a take, save it, and say what is to be known of it."""
+    captured = clip_of(take, skeleton, wishes.choices(take.rate))
+    clips.save(captured.clip, out)
+    for line in captured.report():
+        _say(line)
+    _say(f"wrote {out}: {captured.clip.frames} frames, {captured.clip.duration:.1f} s, for {skeleton.name}")
+    if as_json:
+        print(json.dumps({"clip": str(out), **more, **_figures(captured)}))
+
+
+def _figures(captured: Captured) -> dict[str, Any]:
+    calibration, rate = captured.calibration, captured.clip.rate
+    return {
+        "frames": captured.clip.frames,
+        "rate": rate,
+        "upright": [frame / rate for frame in calibration.stretch],
+        "stillness_deg": round(calibration.stillness, 3),
+        "heading_doubt_deg": round(float(np.degrees(calibration.doubt)), 2),
+        "gaps": [asdict(gap) for gap in captured.gaps],
+        "jumps": [asdict(jump) for jump in captured.jumps],
+        "mended": captured.mended,
+    }
+
+
+def _one(word: str, allowed: tuple[str, ...], option: str) -> Any:
+    if word not in allowed:
+        raise CommandError(f'{option} "{word}"; it must be one of {", ".join(allowed)}')
+    return word
+
+
+def _say(line: str) -> None:
+    """To standard error, so that standard output holds nothing but what was asked for."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def _count_down(seconds: float) -> None:
+    """Wait, counting aloud."""
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0.0:
+        _say(f"in {left:.0f} s ...")
+        time.sleep(min(left, 1.0))
+
+
+@contextmanager
+def _status() -> Generator[Callable[[Progress], None]]:
+    """How far a session is: one line that changes where there is a terminal, a line every five seconds elsewhere."""
+    _say("recording; Ctrl-C ends it")
+    if not sys.stderr.isatty():
+        told = [0.0]
+
+        def tell(progress: Progress) -> None:
+            if progress.seconds >= told[0] or progress.silence:
+                told[0] = progress.seconds + 5.0
+                _say(progress.line)
+
+        yield tell
+        return
+    from rich.console import Console
+    from rich.status import Status
+
+    with Status("waiting for the first frame", console=Console(stderr=True)) as status:
+        yield lambda progress: status.update(progress.line)
