@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tempfile
 import threading
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 
-from ahmss.errors import WorldError
+from ahmss.errors import CommandError, WorldError
+from ahmss.main.beside import WindowBeside
 from ahmss.main.command import Add
 from ahmss.main.console import run_console
 from ahmss.main.demo import has_display
 from ahmss.main.process import Setup
-from ahmss.world.address import PORT
+from ahmss.world.address import Address, parse
+from ahmss.world.ports import free_port, is_taken
 from ahmss.world.process import ServerProcess
 
 __all__ = ["KeptServer", "run_up"]
@@ -75,27 +76,33 @@ def run_up(human: str, body: str, scene: str, address: str, workspace: Path | No
     """Run all until the console is left; returns how many things went wrong.
 
     Raises:
-        AhmssError: the port is taken, or no such body.
+        AhmssError: the port is taken, the address is not this machine's own, or no such body.
     """
-    try:
-        kept = KeptServer(address or f"127.0.0.1:{PORT}")
-    except WorldError as error:
-        raise WorldError(f"{error}, as in: ahmss up --address 127.0.0.1:{PORT + 100}") from None
-    with kept as server:
-        viewer = _viewer(server.address)
-        if viewer is None:
+    with ExitStack() as stack:
+        server = stack.enter_context(_server(parse(address)))
+        if has_display():
+            stack.enter_context(WindowBeside(server.address, _say))
+        else:
             print(f"no display for a window; pictures: ahmss view --server {server.address} --snapshot picture.png")
-        try:
-            first = [Add(scene)] if scene else []
-            return run_console(Setup(human, body, server=server.address, workspace=workspace), first)
-        finally:
-            if viewer is not None:
-                viewer.terminate()
-                viewer.wait()
+        first = [Add(scene)] if scene else []
+        return run_console(Setup(human, body, server=server.address, workspace=workspace), first)
 
 
-def _viewer(address: str) -> subprocess.Popen[bytes] | None:
-    """The window, where there is a display."""
-    if not has_display():
-        return None
-    return subprocess.Popen([sys.executable, "-m", "ahmss", "view", "--server", address], stdin=subprocess.DEVNULL)
+def _server(address: Address) -> KeptServer:
+    """The server, on this machine and for it alone."""
+    if not address.is_loopback:
+        raise CommandError(
+            f"`ahmss up` listens for this machine alone, as on 127.0.0.1:{address.port}, not on {address}; for others: "
+            f"ahmss keys, ahmss server --address {address} --keys keys, then ahmss main and ahmss view"
+        )
+    try:
+        return KeptServer(str(address))
+    except WorldError as error:
+        if not is_taken(address):
+            raise
+        raise WorldError(f"{error}, as in: ahmss up --address {address.host}:{free_port(address)}") from None
+
+
+def _say(text: str) -> None:
+    """A line for the person; the terminal keeps it above the prompt."""
+    print(text, flush=True)

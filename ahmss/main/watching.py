@@ -1,4 +1,4 @@
-"""`ahmss view`: the viewer with a progress bar where there is a terminal, and plain lines elsewhere."""
+"""`ahmss view`: the viewer; drawing a recording shows how far it is, by a bar on a terminal and by lines elsewhere."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ def watch(options: ViewOptions, *, as_json: bool) -> None:
 
 
 def draw(options: ViewOptions, what: str) -> ViewReport:
-    """View; a recording that is drawn into files shows how far it is."""
+    """View; a recording drawn into files shows how far it is. A window or a live view has no end to be near to."""
+    if options.replay is None or not options.draws_files:
+        return view(options)
     with _progress(what) as progress:
         return view(options, progress)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from socket import getaddrinfo
 
 import zmq
 
@@ -32,6 +33,8 @@ class Sockets:
 
     def __init__(self, address: Address, keys: ServerKeys | None) -> None:
         if keys is None and not address.is_loopback:
+            if not _is_known(address.host):
+                raise WorldError(f'"{address.host}" is no address of this machine; write HOST:PORT, as 127.0.0.1:7417')
             raise WorldError(
                 f"a server that listens on {address.host} can be reached from other machines and needs keys; "
                 "make them with `ahmss keys`, or listen on 127.0.0.1"
@@ -126,6 +129,15 @@ class Sockets:
         return Address(address.host, port), _port(self.publisher)
 
 
-def _port(socket: zmq.Socket[bytes]) -> int:
+def _is_known(host: str) -> bool:
+    """Whether a host is a number, or a name that is known here."""
+    try:
+        getaddrinfo(host.strip("[]"), None)
+    except OSError:
+        return False
+    return True
+
+
+def _port(listener: zmq.Socket[bytes]) -> int:
     """The port that a bound socket got."""
-    return int(str(socket.getsockopt_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])
+    return int(str(listener.getsockopt_string(zmq.LAST_ENDPOINT)).rpartition(":")[2])

@@ -1,9 +1,13 @@
 import os
+import re
 import signal
+import socket
 import time
 
-from ahmss.errors import Unreachable
-from ahmss.main.up import KeptServer
+import pytest
+
+from ahmss.errors import AhmssError, CommandError, Unreachable
+from ahmss.main.up import KeptServer, run_up
 from ahmss.world.client import WorldClient
 from ahmss.world.schema import NewObject
 from ahmss.world.view import World
@@ -34,3 +38,21 @@ def test_a_server_that_dies_comes_back_with_what_was_placed() -> None:
         assert world.objects["lamp"].states == {"light": "on"}
         last = server.process.pid
     assert not os.path.exists(f"/proc/{last}")
+
+
+def test_a_busy_port_is_answered_with_one_that_is_free() -> None:
+    with KeptServer("127.0.0.1:0") as server:
+        with pytest.raises(AhmssError, match=r"Address already in use.* as in: ahmss up --address") as caught:
+            run_up("ken", "", "", server.address, None)
+        port = int(re.findall(r":(\d+)", str(caught.value))[-1])
+        assert port != int(server.address.rpartition(":")[2])
+        for free in (port, port + 1):
+            with socket.socket() as listener:
+                listener.bind(("127.0.0.1", free))
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0:7617", "nonsense"])
+def test_up_is_for_this_machine_alone_and_says_what_is_for_others(address: str) -> None:
+    with pytest.raises(CommandError, match="for this machine alone, as on 127") as caught:
+        run_up("ken", "", "", address, None)
+    assert "ahmss server --address" in str(caught.value)

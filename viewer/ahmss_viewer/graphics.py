@@ -52,7 +52,7 @@ def use_window() -> None:
     """Bind this process to drawing into a window.
 
     Raises:
-        DependencyError: there is no display.
+        DependencyError: there is no display, or it does not answer.
     """
     if sys.platform.startswith("linux"):
         if not os.environ.get("DISPLAY"):
@@ -62,8 +62,23 @@ def use_window() -> None:
             )
         # pyglet's windows are X11's even in a Wayland session, where PyOpenGL alone would take EGL.
         os.environ["PYOPENGL_PLATFORM"] = "glx"
+        _reach_display()
     else:
         os.environ.pop("PYOPENGL_PLATFORM", None)
+
+
+def _reach_display() -> None:
+    """Connect to the X display, which pyglet does when it is imported and then says in its own way."""
+    from pyglet.display import get_display
+    from pyglet.display.xlib import NoSuchDisplayException
+
+    try:
+        get_display()
+    except NoSuchDisplayException:
+        raise DependencyError(
+            f"no window can be opened: the display {os.environ['DISPLAY']} does not answer; set DISPLAY to one that "
+            "does, or use --headless with --record, --snapshot or --sheet"
+        ) from None
 
 
 class Offscreen:
