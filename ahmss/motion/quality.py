@@ -34,6 +34,9 @@ class Excess(NamedTuple):
     joint: int
 
 
+_WITHIN = Excess(0.0, 0, 0)
+
+
 @dataclass(frozen=True)
 class Quality:
     """What was measured. Lengths in metres; joints are counted as in `names`."""
@@ -43,7 +46,7 @@ class Quality:
     drifts: tuple[float, ...]
     pop: Pop
     sunk: float
-    excess: Excess
+    excess: Excess = _WITHIN
     names: tuple[str, ...] = LINKS
 
     def figures(self) -> dict[str, float]:
