@@ -26,6 +26,8 @@ Facing = Annotated[
 ]
 Mend = Annotated[bool, typer.Option("--mend", help="Put a smooth way across sensors' jumps.")]
 Smooth = Annotated[float, typer.Option(metavar="HZ", help="Smooth away jitter above this; 0: leave it.")]
+At = Annotated[tuple[float, float], typer.Option(metavar="X Y", help="Where it stands at first, metres.")]
+Place = Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Its place, metres.")]
 Origin = Annotated[str, typer.Option(metavar="TEXT", help="What the file says of where it comes from.")]
 
 
@@ -93,10 +95,7 @@ def live(
     config: Config = Path("tracker.toml"),
     human: Annotated[str, typer.Option(help="The human's name in the world.")] = "ken",
     body: Annotated[str, typer.Option(help="Which body of humandb; left out: of that name.")] = "",
-    at: Annotated[tuple[float, float], typer.Option(metavar="X Y", help="Where it stands at first, metres.")] = (
-        0.0,
-        0.0,
-    ),
+    at: At = (0.0, 0.0),
     heading: Annotated[float, typer.Option(metavar="DEG", help="Its heading at first.")] = 0.0,
     facing: Facing = "0",
     server: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="The server; left out: this machine's.")] = "",
@@ -137,11 +136,7 @@ def simulate(
     silent: Annotated[list[int] | None, typer.Option(metavar="STATION", help="Nothing comes from it.")] = None,
     off: Annotated[bool, typer.Option("--off", help="Nothing at all comes.")] = False,
     boot: Annotated[float, typer.Option(help="Seconds that a reinitialisation takes.")] = 10.0,
-    transmitter: Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Its place, metres.")] = (
-        -1.0,
-        0.0,
-        0.0,
-    ),
+    transmitter: Place = (-1.0, 0.0, 0.0),
     facing: Annotated[float, typer.Option(help="The transmitter's heading, degrees.")] = 0.0,
     upside_down: Annotated[bool, typer.Option("--upside-down", help="The transmitter hangs from above.")] = False,
     config_out: Annotated[Path | None, typer.Option(help="Write a tracker's file that fits.")] = None,

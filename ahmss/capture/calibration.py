@@ -180,5 +180,6 @@ def _uprightness(heights: Array) -> float:
 def _checked(take: Take, stretch: tuple[int, int]) -> tuple[int, int]:
     first, end = stretch
     if not 0 <= first < end <= take.frames:
-        raise DataError("take", "upright", f"frames {first} to {end}; they must lie in 0 to {take.frames}")
+        asked = f"{first / take.rate:g} to {end / take.rate:g} s"
+        raise DataError("take", "upright", f"{asked}; it must lie within 0 to {take.frames / take.rate:.2f} s")
     return stretch

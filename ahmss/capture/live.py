@@ -158,13 +158,11 @@ def drive(
     session = _Session(config, puppet, client, say)
     try:
         with Tracker(config) as tracker, interruptible() as over:
-            tracker.start()
             until = None if seconds is None else time.monotonic() + seconds
             while not over.is_set() and (until is None or time.monotonic() < until):
                 session.look(tracker)
                 time.sleep(_LOOK)
-            tracker.stop()
-            say(tracker.losses.sentence)
+        say(tracker.losses.sentence)
     finally:
         client.leave(puppet.human)
     return Latency.of(session.times)

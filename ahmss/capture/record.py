@@ -16,7 +16,7 @@ from ahmss.capture.config import TrackerConfig
 from ahmss.capture.device import Tracker
 from ahmss.capture.stations import TRACKED, Status, TrackerFrame
 from ahmss.capture.take import Take, TakeHeader, from_frames
-from ahmss.errors import DataError
+from ahmss.errors import DependencyError
 
 __all__ = ["Progress", "header_of", "interruptible", "rate_of", "record"]
 
@@ -41,10 +41,10 @@ class Progress:
     @property
     def line(self) -> str:
         """In one line."""
-        said = f"{self.seconds:6.1f} s  {self.frames} frames"
+        said = f"{self.seconds:.1f} s, {self.frames} frames" if self.frames else "waiting for the first frame"
         if self.troubled:
-            said += "  weak or missing: " + (", ".join(self.troubled) if len(self.troubled) < len(TRACKED) else "all")
-        return said + (f"  {self.silence}" if self.silence else "")
+            said += "; weak or missing: " + (", ".join(self.troubled) if len(self.troubled) < len(TRACKED) else "all")
+        return said + (f"; {self.silence}" if self.silence else "")
 
 
 def record(
@@ -62,18 +62,18 @@ def record(
         the take, and a sentence on what was lost on the way.
 
     Raises:
-        DataError: nothing came at all; the message says why.
+        DependencyError: nothing came at all; the message says why.
     """
     frames: list[TrackerFrame] = []
     with Tracker(config) as tracker:
         with interruptible() as over:
-            tracker.start()
             _listen(tracker, frames, seconds, tell, over)
-        tracker.stop()
-        if not frames:
-            raise DataError("take", "", tracker.silence or "interrupted before the first frame came")
-        frames = frames if seconds is None else [frame for frame in frames if frame.time <= seconds]
-        return from_frames(frames, rate_of(frames, config.rate), header_of(config, origin)), tracker.losses.sentence
+        silence = tracker.silence
+    frames += tracker.poll()
+    if not frames:
+        raise DependencyError(silence or "it was interrupted before the first frame came; nothing is saved")
+    frames = [frame for frame in frames if seconds is None or frame.time - frames[0].time <= seconds]
+    return from_frames(frames, rate_of(frames, config.rate), header_of(config, origin)), tracker.losses.sentence
 
 
 def header_of(config: TrackerConfig, origin: str) -> TakeHeader:

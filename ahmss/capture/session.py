@@ -33,6 +33,7 @@ __all__ = [
     "simulate_tracker",
 ]
 
+_EVERY = 5.0  # seconds between two lines where there is no terminal
 _KINDS = ("fastrak", "liberty", "patriot", "ultratrak")
 
 
@@ -206,17 +207,23 @@ def _status() -> Generator[Callable[[Progress], None]]:
     """How far a session is: one line that changes where there is a terminal, a line every five seconds elsewhere."""
     _say("recording; Ctrl-C ends it")
     if not sys.stderr.isatty():
-        told = [0.0]
-
-        def tell(progress: Progress) -> None:
-            if progress.seconds >= told[0] or progress.silence:
-                told[0] = progress.seconds + 5.0
-                _say(progress.line)
-
-        yield tell
+        yield _Lines().tell
         return
     from rich.console import Console
     from rich.status import Status
 
     with Status("waiting for the first frame", console=Console(stderr=True)) as status:
         yield lambda progress: status.update(progress.line)
+
+
+class _Lines:
+    """A line every five seconds, and one whenever what is the matter changes."""
+
+    def __init__(self) -> None:
+        self._next, self._silence = time.monotonic(), ""
+
+    def tell(self, progress: Progress) -> None:
+        """Print the line, if it is time."""
+        if progress.silence != self._silence or time.monotonic() >= self._next:
+            self._next, self._silence = time.monotonic() + _EVERY, progress.silence
+            _say(progress.line)
