@@ -34,6 +34,7 @@ class Line:
         self._damage = Damage(options.faults, options.seed + self.number)
         self._waiting = b""  # with the clock "poll": sent, but the other side has no room yet
         self._other_baud = options.baud
+        self._garbage = 0.0  # bytes that the other side makes of these, and has not had yet
         self._served = -math.inf
         self._bytes = 0
         self.lost = 0
@@ -139,7 +140,9 @@ class Line:
             at = following
         gone = self._damage(self._uart.gone(now))
         if gone and not same_baud:
-            gone = self._damage.noise(max(len(gone) * self._other_baud // self._options.baud, 1))
+            self._garbage += len(gone) * self._other_baud / self._options.baud
+            gone = self._damage.noise(int(self._garbage))
+            self._garbage %= 1.0
         if gone:
             self._bytes += len(gone)
             self.lost += len(gone) - self.port.write(gone)

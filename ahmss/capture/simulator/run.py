@@ -131,12 +131,15 @@ class Simulator:
             text = ""  # in the background of a shell
         if not text:
             selector.unregister(commands)
-        for line in text.splitlines():
+        for words in text.splitlines():
+            now = time.monotonic()
             try:
-                wish = self._console.obey(line, time.monotonic())
+                wish = self._console.obey(words, now)
             except CommandError as error:
                 self._say(str(error))
                 continue
+            for line in self._lines:
+                line.serve(now)  # what was typed is true from now on
             if wish == "quit":
                 return True
             if wish:
