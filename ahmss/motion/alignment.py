@@ -16,7 +16,8 @@ from scipy.interpolate import CubicSpline
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
-from ahmss.body.quaternion import IDENTITY, between, conjugate, from_matrix, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, between, conjugate, from_matrix, multiply, normalize, rotate
+from ahmss.body.quaternion import align as align_signs
 from ahmss.body.skeleton import UPRIGHT_WORLD
 from ahmss.errors import DataError
 from ahmss.motion.naming import SIDES, Parts
@@ -28,7 +29,9 @@ __all__ = ["TRACKED", "BodyMotion", "align", "upward"]
 TRACKED = LINKS[:15]
 _WAIST_SHARE = 0.19  # of the way from hips to neck, where our spine's joint lies (Drillis & Contini 1966)
 _NEXT = {"upper_arm": "lower_arm", "lower_arm": "hand", "upper_leg": "lower_leg", "lower_leg": "foot"}
-_X = np.array([1.0, 0.0, 0.0])
+_UPRIGHT = 0.75  # least cosine of trunk, thighs and shins to up in a frame that serves
+_MEAN_OF, _NEARLY = 0.25, 0.1  # the best share of the frames, not worse than the best by more than this
+_X, _Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +91,11 @@ def align(source: SourceMotion, parts: Parts, metres: float) -> tuple[BodyMotion
     """
     places, world = source.world()
     up = upward(parts, places)
-    reference, kind = _reference(source, parts, places, world, up)
-    wanted = _links_in(reference, parts)
-    rotations = np.empty((source.frames, len(TRACKED), 4))
-    for link, name in enumerate(TRACKED):
-        joint = _joint_of(parts, name)
-        rotations[:, link] = multiply(world[:, joint], multiply(conjugate(reference.world[joint]), wanted[link]))
-    rotations[:, INDEX["spine"]] = _trunk(parts, reference, places, world, wanted[INDEX["spine"]])
+    references, kind = _references(source, parts, places, world, up)
+    joints = [_joint_of(parts, name) for name in TRACKED]
+    mounts = [multiply(conjugate(reference.world[joints]), _links_in(reference, parts)) for reference in references]
+    rotations = multiply(world[:, joints], _mean(mounts))
+    rotations[:, INDEX["spine"]] = _trunk(parts, references, places, world)
     lift = between(up, np.array([0.0, 0.0, 1.0]))
     body = BodyMotion(
         rotations=multiply(lift, rotations),
@@ -155,25 +156,31 @@ def upward(parts: Parts, places: Array) -> Array:
     return up if np.abs(tall[axis]) > 0.8 and axis > 0 else np.array([0.0, 1.0, 0.0])
 
 
-def _reference(source: SourceMotion, parts: Parts, places: Array, world: Array, up: Array) -> tuple[_Reference, str]:
-    """A pose of somebody who stands, and a word on where it comes from."""
+def _references(
+    source: SourceMotion, parts: Parts, places: Array, world: Array, up: Array
+) -> tuple[list[_Reference], str]:
+    """Poses of somebody who stands, and a word on where they come from.
+
+    Frames in which somebody walks are all a little aside of standing, now here, now there: their mean serves.
+    """
     zero = source.zero_pose()
     axes = np.concatenate([up[None], np.eye(3), -np.eye(3)])
     standing = [float(_uprightness(parts, zero[None], axis)[0]) for axis in axes]
     best = int(np.argmax(standing))
     if standing[best] > 0.9:
         identity = np.tile(IDENTITY, (len(source.names), 1))
-        return _Reference(zero, identity, _body(parts, zero, axes[best])), "aligned by its zero pose"
+        return [_Reference(zero, identity, _body(parts, zero, axes[best]))], "aligned by its zero pose"
     found = _uprightness(parts, places, up)
-    frame = int(np.argmax(found))
-    if found[frame] < 0.75:
+    if found.max() < _UPRIGHT:
         raise DataError(
             source.file,
             "joints",
             "nobody stands, neither in the zero pose nor in any frame; begin with a standing pose",
         )
-    pose = places[frame]
-    return _Reference(pose, world[frame], _body(parts, pose, up)), f"aligned by frame {frame}, the most upright one"
+    frames = np.argsort(-found)[: max(int(_MEAN_OF * len(found)), 1)]
+    frames = frames[found[frames] >= found.max() - _NEARLY]
+    said = f"nobody stands in its zero pose: aligned by its {len(frames)} most upright frames"
+    return [_Reference(places[i], world[i], _body(parts, places[i], up)) for i in frames], said
 
 
 def _uprightness(parts: Parts, places: Array, up: Array) -> Array:
@@ -234,14 +241,27 @@ def _bone(parts: Parts, places: Array, name: str) -> Array | None:
     return bone if np.linalg.norm(bone) > 1e-9 else None
 
 
-def _trunk(parts: Parts, reference: _Reference, places: Array, world: Array, wanted: Array) -> Array:
+def _trunk(parts: Parts, references: list[_Reference], places: Array, world: Array) -> Array:
     """The trunk's rotations (F, 4): x from waist to neck, turned as the chest is."""
-    waist = _waist(parts, reference.places)
-    left = rotate(reference.body, np.array([0.0, 1.0, 0.0]))
-    local = rotate(conjugate(reference.world[parts.chest]), left)
-    then = _frame(reference.places[parts.neck] - reference.places[waist], left)
+    waist = _waist(parts, references[0].places)
+    lefts = [rotate(reference.body, _Y) for reference in references]
+    local = np.mean(
+        [rotate(conjugate(r.world[parts.chest]), left) for r, left in zip(references, lefts, strict=True)], axis=0
+    )
+    mounts = [
+        multiply(
+            conjugate(_frame(r.places[parts.neck] - r.places[waist], rotate(r.world[parts.chest], local))),
+            multiply(r.body, UPRIGHT_WORLD[INDEX["spine"]]),
+        )
+        for r in references
+    ]
     now = _frame(places[:, parts.neck] - places[:, waist], rotate(world[:, parts.chest], local))
-    return multiply(now, multiply(conjugate(then), wanted))
+    return multiply(now, _mean(mounts))
+
+
+def _mean(rotations: list[Array]) -> Array:
+    """The mean (..., 4) of rotations that are near to each other."""
+    return normalize(np.sum([align_signs(q, rotations[0]) for q in rotations], axis=0))
 
 
 def _frame(x: Array, y: Array) -> Array:

@@ -17,11 +17,12 @@ from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.grounding import ground
 from ahmss.motion.markers import body_of_markers
 from ahmss.motion.naming import parts_of
+from ahmss.motion.refining import refined
 from ahmss.motion.retarget import leg_length, retarget
 from ahmss.motion.source import SourceMotion
 from ahmss.motion.units import UNITS, guess_unit
 
-__all__ = ["import_clip", "read_body"]
+__all__ = ["import_clip", "read_body", "read_source"]
 
 _GUESSED = 0.1  # importance of fingers that nobody recorded
 
@@ -76,8 +77,8 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     if path.suffix.lower() == ".c3d":
         markers = read_c3d(path)
         body, report = body_of_markers(markers)
-        return body, [f"C3D, {body.frames} frames of {len(markers.names)} markers", *report]
-    source = _read(path)
+        return refined(body), [f"C3D, {body.frames} frames of {len(markers.names)} markers", *report]
+    source = read_source(path)
     parts = parts_of(source)
     body, said = align(source, parts, 1.0)
     report = [f"{source.format}, {source.frames} frames, names as in {parts.family} files"]
@@ -89,10 +90,10 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     else:
         report.append(f"no known unit fits, so lengths are scaled to a person of {stature:.2f} m")
     body = BodyMotion(body.rotations, metres * body.places, metres * body.toes, body.rate)
-    return body, [*report, *said]
+    return refined(body), [*report, *said]
 
 
-def _read(path: Path) -> SourceMotion:
+def read_source(path: Path) -> SourceMotion:
     """The file's joints, by what its name ends in."""
     readers = {".bvh": read_bvh, ".amc": read_amc}
     ending = path.suffix.lower()

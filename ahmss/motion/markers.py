@@ -1,8 +1,8 @@
 """From markers on the skin to the 15 links: joint centres by regression, axes by what the markers span.
 
 Marker sets: Plug-in Gait and CMU's 41, Helen Hayes with markers on the upper body, and the anatomical landmarks of the
-ISB (Qualisys). Hip centres after Bell et al. (1990). Trunk, head and feet have the neutral turn of the most upright
-frame, as the markers' own planes are tilted by nobody knows how much.
+ISB (Qualisys). Hip centres after Bell et al. (1990). Trunk and head have their neutral turn from the most upright
+frames, as the markers' own planes are tilted by nobody knows how much.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import between, conjugate, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.quaternion import align, between, conjugate, from_axis_angle, from_matrix, multiply, normalize, rotate
 from ahmss.body.skeleton import UPRIGHT_WORLD
 from ahmss.errors import DataError
 from ahmss.motion.alignment import TRACKED, BodyMotion
@@ -225,21 +225,18 @@ class _Body:
         self.places[:, INDEX[link]] = places
 
     def _neutral(self) -> None:
-        """Turn hips, spine, head and feet so that they are upright in the most upright frame."""
-        frame = self._most_upright()
-        across = self.places[frame, INDEX["left_upper_leg"]] - self.places[frame, INDEX["right_upper_leg"]]
-        body = from_axis_angle(_Z, np.arctan2(-across[0], across[1]))
-        for name in ("hips", "spine", "head", "right_foot", "left_foot"):
+        """Turn hips, spine and head so that they are upright, on the mean, in the most upright frames."""
+        frames = self._most_upright()
+        across = self.places[frames, INDEX["left_upper_leg"]] - self.places[frames, INDEX["right_upper_leg"]]
+        body = from_axis_angle(_Z, np.arctan2(-across[:, 0], across[:, 1]))
+        for name in ("hips", "spine", "head"):
             link = INDEX[name]
-            wanted = multiply(body, UPRIGHT_WORLD[link])
-            if name.endswith("foot"):
-                toes = rotate(conjugate(body), rotate(self.rotations[frame, link], _X))
-                wanted = multiply(body, from_axis_angle(_Z, np.arctan2(toes[1], toes[0])))
-            turn = multiply(conjugate(self.rotations[frame, link]), wanted)
+            turns = multiply(conjugate(self.rotations[frames, link]), multiply(body, UPRIGHT_WORLD[link]))
+            turn = normalize(align(turns, turns[0]).sum(axis=0))
             self.rotations[:, link] = multiply(self.rotations[:, link], turn)
 
-    def _most_upright(self) -> int:
-        """The frame in which trunk, thighs and shins are most upright."""
+    def _most_upright(self) -> NDArray[np.intp]:
+        """The frames in which trunk, thighs and shins are most upright."""
         down = rotate(
             self.rotations[:, [INDEX[f"{s}_{p}_leg"] for s in ("right", "left") for p in ("upper", "lower")]], _X
         )
@@ -249,7 +246,8 @@ class _Body:
             raise DataError(
                 self.markers.file, "markers", "nobody stands upright in any frame; begin with a standing pose"
             )
-        return int(score.argmax())
+        best = np.argsort(-score)[: max(len(score) // 4, 1)]
+        return best[score[best] >= score.max() - 0.1]
 
 
 def _unit(v: Array) -> Array:

@@ -16,12 +16,11 @@ from ahmss.body.links import INDEX, PARENTS
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.alignment import TRACKED, BodyMotion
-from ahmss.motion.contact import speeds
+from ahmss.motion.refining import standing
 
 __all__ = ["hand_places", "retarget"]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_STILL = 0.25  # metres a second: a foot whose ankle and toes are slower stands flat
 _SOFT = 0.04  # metres over which the scale across the body changes at the shoulder
 _FEET = [INDEX["right_foot"], INDEX["left_foot"]]
 _HANDS = [INDEX["right_hand"], INDEX["left_hand"]]
@@ -88,11 +87,9 @@ def _chain_length(body: BodyMotion, *links: str) -> float:
 
 
 def standing_height(body: BodyMotion) -> float:
-    """How high the ankles are when the feet stand flat: both ankle and toes are slow then."""
-    ankles = body.places[:, _FEET]
-    slow = np.maximum(speeds(ankles, body.rate), speeds(body.toes, body.rate)) < _STILL
-    heights = ankles[..., 2][slow] if slow.any() else ankles[..., 2]
-    return float(np.percentile(heights, 20.0))
+    """How high the ankles are when the feet stand flat, metres."""
+    heights, flat = body.places[:, _FEET, 2], standing(body)
+    return float(np.percentile(heights[flat] if flat.any() else heights, 20.0))
 
 
 def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Array) -> Array:
