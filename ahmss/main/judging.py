@@ -1,4 +1,4 @@
-"""How smooth the motion of a recording is, by the measures of real capture."""
+"""What the humans of a recording did, and how it measures beside real capture."""
 
 from __future__ import annotations
 
@@ -7,16 +7,32 @@ from pathlib import Path
 import numpy as np
 
 from ahmss.body.array import Array
+from ahmss.body.quaternion import normalize
 from ahmss.body.skeleton import Skeleton
+from ahmss.errors import DataError
 from ahmss.motion.quality import measure
 from ahmss.world.recording import Reader
 from ahmss.world.view import World
 
-__all__ = ["judge", "motion_of"]
+__all__ = ["judge", "motion_of", "posed"]
+
+
+def posed(reader: Reader) -> list[str]:
+    """The names of all humans that ever have a pose, in alphabetical order."""
+    world, names = World(), set[str]()
+    for tick in range(len(reader)):
+        reader.show(tick, world)
+        shown = set(world.human_ids.tolist())
+        names |= {record.name for record in world.humans.values() if record.id in shown}
+    return sorted(names)
 
 
 def motion_of(reader: Reader, human: str) -> tuple[Array, Array, Skeleton]:
-    """A human's rotations (frames, 43, 4) and root (frames, 3) over all ticks in which its frame is a new one."""
+    """A human's rotations (frames, 43, 4) and root (frames, 3) over all ticks in which its frame is a new one.
+
+    Raises:
+        DataError: it never has a pose.
+    """
     world = World()
     rotations: list[Array] = []
     roots: list[Array] = []
@@ -33,16 +49,16 @@ def motion_of(reader: Reader, human: str) -> tuple[Array, Array, Skeleton]:
         root, turned = world.human(human)
         roots.append(root)
         rotations.append(turned)
-    assert skeleton is not None
-    return np.array(rotations), np.array(roots), skeleton
+    if skeleton is None:
+        raise DataError(reader.path, human, "there is no pose of this human in the recording")
+    return normalize(np.array(rotations)), np.array(roots), skeleton
 
 
 def judge(path: Path) -> list[str]:
     """One line for each human of a recording."""
     lines: list[str] = []
     with Reader(path) as reader:
-        names = {human.name for tick in range(len(reader)) for human in reader.scene(tick).humans}
-        for name in sorted(names):
+        for name in posed(reader):
             rotations, root, skeleton = motion_of(reader, name)
             if len(root) < 3:
                 continue

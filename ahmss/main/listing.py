@@ -1,8 +1,7 @@
-"""`ahmss list`, `ahmss check` and `ahmss motion quality`: what there is, and what is wrong with it."""
+"""`ahmss list` and `ahmss check`: what there is, and what is wrong with it."""
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -18,7 +17,7 @@ from ahmss.database.records import AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
 
-__all__ = ["check_workspace", "clip_quality", "list_workspace", "show_table"]
+__all__ = ["check_workspace", "list_workspace", "show_table"]
 
 Rows = list[dict[str, Any]]
 
@@ -57,31 +56,6 @@ def check_workspace(directory: Path | None, *, as_json: bool) -> int:
         + (f"{len(report.problems)} problems" if report.problems else "nothing is wrong")
     )
     return len(report.problems)
-
-
-def clip_quality(path: Path, *, as_json: bool) -> None:
-    """Measure a clip as it is, on usual proportions; of keyframes what is between them, one second of it."""
-    from ahmss.body.skeleton import Skeleton
-    from ahmss.motion.clip import load
-    from ahmss.motion.quality import measure
-    from ahmss.motion.resample import resample
-
-    clip = load(path)
-    if clip.header.times is not None:
-        print(f"{path}: {clip.frames} keyframes; measured with the frames between them, at 1 s in all", file=sys.stderr)
-        clip = resample(clip, round(clip.rate))
-    if clip.frames < 3:
-        raise CommandError(f"{path}: {clip.frames} frames are too few to measure; 3 at least")
-    quality = measure(clip.rotations, clip.root, clip.rate, Skeleton.of(), clip.contacts)
-    plain = dataclasses.asdict(quality)
-    if as_json:
-        print(json.dumps(plain))
-        return
-    for part, values in plain.items():
-        text = ", ".join(
-            f"{name} {value:.3g}" if isinstance(value, float) else f"{name} {value}" for name, value in values.items()
-        )
-        print(f"{part}: {text}")
 
 
 def show_table(title: str, rows: Rows) -> None:

@@ -11,8 +11,9 @@ from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, norm, rotate
 from ahmss.motion.clip import Clip
+from ahmss.motion.resample import resample
 
-__all__ = ["begun_at_origin", "cut", "floor_frame", "mirrored", "part"]
+__all__ = ["at_rate", "begun_at_origin", "cut", "floor_frame", "mirrored", "part"]
 
 _UP = np.array([0.0, 0.0, 1.0])
 _LEVEL = np.array([1.0, 1.0, 0.0])
@@ -41,6 +42,18 @@ def cut(clip: Clip, first: int, last: int) -> Clip:
     if not 0 <= first <= last < clip.frames:
         raise ValueError(f"frames {first} to {last} can't be cut out; the clip's go from 0 to {clip.frames - 1}")
     return begun_at_origin(part(clip, first, last + 1))
+
+
+def at_rate(clip: Clip, rate: float) -> Clip:
+    """The clip at another rate, as long as before to within half a frame.
+
+    Raises:
+        ValueError: it is a clip of keyframes, which take as long as they are asked to.
+    """
+    if clip.header.times is not None:
+        raise ValueError("a clip of keyframes has no duration; say how many frames it shall have")
+    frames = max(round(clip.duration * rate) + 1, 1)
+    return replace(resample(clip, frames), rate=rate)
 
 
 def mirrored(clip: Clip) -> Clip:
