@@ -124,7 +124,7 @@ def test_an_over_full_line_drops_to_what_its_baud_rate_carries(plugged, step):
 
 @pytest.mark.parametrize(("active", "rate"), [(1, 120), (2, 60), (3, 40), (4, 30)])
 def test_a_fastraks_stations_share_120_measurements_a_second(plugged, active, rate):
-    cable = plugged(rate=120.0)
+    cable = plugged(rate=120.0, stations=4)
     cable.write(b"f" + b"".join(b"O%d,2,11,1\r" % n for n in range(1, 5)))
     cable.write(b"".join(b"l%d,0\r" % n for n in range(active + 1, 5)) + b"C")
     data = cable.run(2.0)

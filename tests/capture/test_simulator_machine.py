@@ -68,7 +68,7 @@ def test_commands_may_come_a_byte_at_a_time_with_either_end_of_line():
 
 
 def test_stations_that_are_off_send_nothing_and_leave_the_others_more_of_the_measurements():
-    bench = Bench(rate=120.0)
+    bench = Bench(rate=120.0, stations=4)
     assert bench.machine.frames_a_second == 30.0
     bench.tell(b"l2,0\rl4,0\r")
     assert bench.machine.frames_a_second == 60.0
@@ -251,3 +251,11 @@ def test_units_share_the_stations_evenly_in_their_order():
     assert SimulatorOptions(subject(), kind="liberty", lines=2).units() == (tuple(range(1, 9)), tuple(range(9, 16)))
     assert len(SimulatorOptions(subject(), kind="patriot").units()) == 8
     assert len(SimulatorOptions(subject(), lines=1, measurements=900.0).units()) == 1
+
+
+@pytest.mark.parametrize(("synchronised", "last"), [(True, 30.0), (False, 40.0)])
+def test_a_unit_of_fewer_stations_runs_ahead_unless_the_units_are_synchronised(synchronised, last):
+    bench = Bench(unit=3, synchronised=synchronised)
+    assert len(bench.options.units()[3]) == 3
+    assert bench.machine.frames_a_second == last
+    assert bench.options.frames_a_second == 30.0

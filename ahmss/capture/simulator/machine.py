@@ -184,7 +184,7 @@ class Machine:
     @property
     def frames_a_second(self) -> float:
         """Of the stations that are active now."""
-        return self._options.rate_of(sum(station.active for station in self.settings.stations))
+        return self._options.unit_frames_a_second(sum(station.active for station in self.settings.stations))
 
     def _newest(self, now: float) -> int:
         """The number of the last frame that is measured by now; -1 before the first."""

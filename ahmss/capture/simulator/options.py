@@ -60,6 +60,8 @@ class SimulatorOptions:
     rate: frames a second that the device is set to; its model and its line may carry fewer.
     measurements: a second, shared by a unit's active stations; left out: the model's, 120 for a FASTRAK. Given, a unit
         has room for 16 stations: a larger machine that speaks the same language.
+    synchronised: several units measure at the same moments, as through their sync connectors: all as often as the
+        slowest of them; False lets a unit of fewer stations run ahead.
     baud: of every line; what a line can't carry is not sent. A reader at another baud rate gets garbage.
     names: paths at which the lines can be opened, one a line; left out: the system's own names, /dev/pts/N.
     address: HOST:PORT that an ULTRATRAK sends to.
@@ -80,6 +82,7 @@ class SimulatorOptions:
     stations: int = len(TRACKED)
     rate: float = 60.0
     measurements: float | None = None
+    synchronised: bool = True
     baud: int = 115200
     names: tuple[Path, ...] = ()
     address: str = "127.0.0.1:12345"
@@ -96,11 +99,16 @@ class SimulatorOptions:
 
     @property
     def frames_a_second(self) -> float:
-        """Of a unit all of whose stations are active: as set, as its model can, as its measurements allow."""
-        return self.rate_of(max(len(unit) for unit in self.units()))
+        """Of the slowest unit, when all of its stations are active: as set, and as its model and measurements allow."""
+        return self._rate_of(max(len(unit) for unit in self.units()))
 
-    def rate_of(self, active: int) -> float:
-        """Frames a second of a unit with so many active stations."""
+    def unit_frames_a_second(self, active: int) -> float:
+        """Of a unit with so many active stations now."""
+        alone = self._rate_of(active)
+        together = self.synchronised and len(self.units()) > 1
+        return min(alone, self.frames_a_second) if together else alone
+
+    def _rate_of(self, active: int) -> float:
         model = MODELS[self.kind]
         return min(self.rate, model.frames, (self.measurements or model.measurements) / max(active, 1))
 
