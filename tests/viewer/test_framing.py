@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from ahmss_viewer.aim import Aim, Arrivals
 from ahmss_viewer.camera import View, look_at, project
 from ahmss_viewer.choosing import best_view, clear_preset, preset, without_hidden
 from ahmss_viewer.figure import plain_figure
 from ahmss_viewer.framing import Follower, fit, interest
 from ahmss_viewer.glb import read_glb
+from ahmss_viewer.options import ViewOptions
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
 
@@ -121,3 +123,46 @@ def test_what_a_table_hides_need_not_fit_into_a_tile_but_heads_and_hands_must(st
     points = without_hidden(stage, painter, wanted, view, ASPECT, [wanted])
     assert points[:, 2].min() > 0.5
     assert points[:, 2].max() == wanted.points[:, 2].max()
+
+
+def test_the_view_is_chosen_again_while_the_scene_comes_but_not_during_a_motion(stage: Stage) -> None:
+    arrivals = Arrivals()
+    box = read_glb(box_glb((0.5, 0.5, 0.5), WHITE))
+
+    def comes(number: int) -> None:
+        stage.add_object(number, f"box {number}", box, np.array([1.2, 0.0, 1.0]), UNTURNED)
+
+    assert arrivals.due(stage), "the first picture"
+    assert not arrivals.due(stage), "nothing has come"
+    comes(5)
+    assert arrivals.due(stage)
+    comes(6)
+    stage.pose_human(1, *raised(0.6))
+    assert arrivals.due(stage), "with the room the first motion has begun already"
+    comes(7)
+    stage.pose_human(1, *raised(0.7))
+    assert not arrivals.due(stage), "no jump during a motion"
+    assert arrivals.due(stage), "but when it rests"
+    stage.remove_object(7)
+    assert not arrivals.due(stage)
+    comes(7)
+    assert not arrivals.due(stage), "a recording that begins again"
+    stage.add_human(2, "aiko", SKELETON.offsets, plain_figure(SKELETON))
+    stage.pose_human(1, *raised(0.8))
+    assert arrivals.due(stage), "somebody new is always looked for"
+
+
+def test_a_window_that_was_open_before_the_scene_does_not_stay_behind_a_wall(stage: Stage, painter: Painter) -> None:
+    aim, arrivals = Aim(ViewOptions()), Arrivals()
+    assert arrivals.due(stage)
+    alone = aim.begin(stage, painter)
+    place = alone.pose()[:3, 3]
+    wall = read_glb(box_glb((0.1, 1.6, 4.0), WHITE))
+    turn = np.arctan2(place[1], place[0]) / 2
+    stage.add_object(5, "wall", wall, 0.5 * place, np.array([np.cos(turn), 0.0, 0.0, np.sin(turn)]))
+    wanted = interest(stage)
+    assert wanted is not None
+    assert arrivals.due(stage)
+    again = aim.begin(stage, painter)
+    seen, before = (len(without_hidden(stage, painter, wanted, view, ASPECT, [wanted])) for view in (again, alone))
+    assert seen > before + 10

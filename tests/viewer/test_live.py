@@ -8,12 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+from ahmss_viewer.aim import Aim
 from ahmss_viewer.app import ViewOptions, ViewReport, view
 from ahmss_viewer.live import Stop, watch
 from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.source import Live
 from ahmss_viewer.stage import Stage
+from ahmss_viewer.studio import Studio
 from PIL import Image
 
 from ahmss.errors import Unreachable, WorldError
@@ -112,6 +115,24 @@ def test_a_snapshot_alone_ends_the_viewer(server: ServerProcess, tmp_path: Path)
     with actor(str(server.address)):
         report = view(options)
     assert report.files == [str(tmp_path / "s.png")]
+
+
+def test_a_snapshot_of_a_running_world_is_as_smooth_as_one_of_a_recording(
+    server: ServerProcess, tmp_path: Path
+) -> None:
+    with WorldClient(str(server.address)) as client:
+        shape = client.put_asset(box_glb((0.5, 0.5, 0.5), RED))
+        client.add([NewObject("box", "box", (0.0, 0.0, 0.25), shape=shape)])
+        view(ViewOptions(address=str(server.address), snapshot=tmp_path / "s.png", size=(160, 120)))
+        world = client.refresh()
+        with Studio(fine=True) as studio:
+            studio.mirror(client.get_asset, lambda _: {}).show(world)
+            best = studio.picture(Aim(ViewOptions()).begin(studio.stage, studio.painter), (160, 120), best=True)
+            plain = studio.picture(Aim(ViewOptions()).begin(studio.stage, studio.painter), (160, 120)).copy()
+    with Image.open(tmp_path / "s.png") as shot:
+        taken = np.asarray(shot)
+    assert (taken == best).all()
+    assert (taken != plain).any()
 
 
 def test_a_server_that_comes_late_and_is_restarted_is_found_again(tmp_path: Path) -> None:

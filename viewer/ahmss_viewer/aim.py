@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ahmss.body.array import Array
 from ahmss_viewer.camera import View, look_at
 from ahmss_viewer.choosing import best_view, clear_preset
 from ahmss_viewer.framing import Follower, Interest, interest
@@ -13,9 +14,43 @@ from ahmss_viewer.options import ViewOptions
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
 
-__all__ = ["Aim"]
+__all__ = ["Aim", "Arrivals"]
 
 _EYE_HEIGHT = 1.6
+_STILL = 2e-4  # metres from one picture to the next
+
+
+class Arrivals:
+    """Says when the view is to be chosen anew: a scene comes piece by piece, and what comes may hide the human."""
+
+    def __init__(self) -> None:
+        self._humans: set[int] | None = None
+        self._things: set[int] = set()
+        self._places: dict[int, Array] = {}
+        self._begun = self._due = False
+
+    def due(self, stage: Stage) -> bool:
+        """Whether humans or objects have come that were never here before; to be asked once for each picture.
+
+        Of objects it is said when nobody moves, for the camera must not jump during a motion; but until the first
+        motion has begun the scene counts as still arriving.
+        """
+        humans, things = set(stage.actors), set(stage.things)
+        places = {number: actor.places for number, actor in stage.actors.items()}
+        moves = any(_moved(place, self._places[number]) for number, place in places.items() if number in self._places)
+        first = self._humans is None
+        known = self._humans or set()
+        self._due |= not things <= self._things
+        due = first or not humans <= known or (self._due and not (moves and self._begun))
+        self._due &= not due
+        self._begun |= moves
+        self._humans, self._things, self._places = known | humans, self._things | things, places
+        return due
+
+
+def _moved(places: Array, before: Array) -> bool:
+    """Whether a human's joints (43, 3) are elsewhere than before."""
+    return float(np.abs(places - before).max()) > _STILL
 
 
 class Aim:

@@ -44,7 +44,7 @@ class LiveFeed:
     def lines(self) -> list[str]:
         """What the overlay says of it."""
         if not self.silent:
-            return []
+            return [] if len(self.world.human_ids) else ["nobody is here yet"]
         seconds = self._source.silence()
         if self.world.revision < 0:
             return [f"no server answers at {self.name} yet"]

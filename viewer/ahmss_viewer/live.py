@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.errors import Unreachable
-from ahmss_viewer.aim import Aim
+from ahmss_viewer.aim import Aim, Arrivals
 from ahmss_viewer.caption import Flat
 from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.movie import Movie, check_writable
@@ -55,7 +55,7 @@ def watch(
             check_writable(file)
     with ExitStack() as stack:
         held = stack.enter_context(_signals(stop or Stop()))
-        studio = stack.enter_context(Studio(fine=bool(options.fine)))
+        studio = stack.enter_context(Studio(fine=_alone(options) if options.fine is None else options.fine))
         source = Live(options.address, keys=options.keys, request=options.request)
         stack.callback(source.close)
         return _Watch(options, source, studio, held, progress).run()
@@ -74,14 +74,13 @@ class _Watch:
     ) -> None:
         self.options, self.source, self.studio, self.stop, self.progress = options, source, studio, stop, progress
         self.mirror = Mirror(studio.stage, source.asset, source.skeleton)
-        self.aim = Aim(options)
+        self.aim, self.arrivals = Aim(options), Arrivals()
         self.size = (options.size[0] // 2 * 2, options.size[1] // 2 * 2)
         self.report = ViewReport(source.name, self.size)
         self.pace = Pace()
         self.sheet = Sheet(title=f"{self.report.source}   {time.strftime('%Y-%m-%d %H:%M')}")
         self.next_tile = 0
         self.first_tick = -1
-        self.actors = 0
 
     def run(self) -> ViewReport:
         """The loop: newest world, picture, files."""
@@ -102,7 +101,7 @@ class _Watch:
                     shown = time.monotonic()
                 if picture is not None and movie is not None and shown >= 0.0:
                     self._film(movie, picture, time.monotonic() - shown)
-                if picture is not None and self._snapshot(picture, time.monotonic() - begin):
+                if picture is not None and self._snapshot(time.monotonic() - begin):
                     break
             if movie is not None and picture is not None and not movie.frames:
                 movie.add(picture)  # nobody came: the empty world
@@ -113,8 +112,7 @@ class _Watch:
         passed = time.monotonic() - begin
         if self.options.seconds is not None:
             return passed >= self.options.seconds
-        alone = self.options.snapshot is not None and self.options.record is None and self.options.sheet is None
-        return alone and self.source.world.revision < 0 and passed > _NOBODY_S
+        return _alone(self.options) and self.source.world.revision < 0 and passed > _NOBODY_S
 
     def _draw(self, *, fresh: bool) -> NDArray[np.uint8]:
         """One picture of the newest world."""
@@ -122,8 +120,7 @@ class _Watch:
         if fresh:
             self.mirror.show(self.source.world)
         stage = self.studio.stage
-        if self.aim.view is None or len(stage.actors) != self.actors:
-            self.actors = len(stage.actors)
+        if self.arrivals.due(stage):
             self.aim.begin(stage, self.studio.painter)
         view = self.aim.step(stage, self.pace.last)
         picture = self.studio.picture(view, self.size, self._overlay(), names=self.options.names)
@@ -164,19 +161,20 @@ class _Watch:
         self.next_tile = tick - (tick - self.first_tick) % every + every
         tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
         view = self.aim.step(self.studio.stage, 0.0)
-        small = self.studio.picture(view, tile, names=self.options.names)
+        small = self.studio.picture(view, tile, names=self.options.names, best=True)
         self.sheet.add(small, tick, (tick - self.first_tick) / self.source.world.rate)
 
-    def _snapshot(self, picture: NDArray[np.uint8], seconds: float) -> bool:
-        """Save the one picture as soon as it shows somebody; True where that was all that was asked for."""
+    def _snapshot(self, seconds: float) -> bool:
+        """Draw the one picture, with care, as soon as there is somebody; True where that was all that was asked for."""
         path = self.options.snapshot
         if path is None or str(path) in self.report.files:
             return False
         if not self.studio.stage.actors and seconds < _PATIENCE_S:
             return False
-        save_picture(picture, path)
+        view = self.aim.step(self.studio.stage, 0.0)
+        save_picture(self.studio.picture(view, self.size, self._overlay(), names=self.options.names, best=True), path)
         self.report.files.append(str(path))
-        return self.options.record is None and self.options.sheet is None and self.options.seconds is None
+        return _alone(self.options) and self.options.seconds is None
 
     def _finish(self) -> None:
         """The sheet, and the report. Unreachable: nothing was ever seen."""
@@ -193,6 +191,11 @@ class _Watch:
         self.report.pictures, self.report.seconds = self.pace.pictures, self.pace.seconds
         self.report.ages = self.pace.ages
         self.report.problems = self.mirror.problems
+
+
+def _alone(options: ViewOptions) -> bool:
+    """Whether one picture is all that is asked for: it may take its time."""
+    return options.snapshot is not None and options.record is None and options.sheet is None
 
 
 @contextmanager

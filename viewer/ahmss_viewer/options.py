@@ -40,7 +40,7 @@ class ViewOptions:
         rate: pictures a second of the MP4; 0 is the recording's own, or 30 live.
         names: write the names of objects and humans into the picture.
         overlay: write frame rate and age into a live picture; None: in a window only.
-        fine: smooth edges and soft shadows; None: for recordings only.
+        fine: smooth edges in films too; None: in those of recordings. Snapshots and sheets are always smooth.
     """
 
     address: str = ""

@@ -10,7 +10,7 @@ import pyglet
 from pyglet.window import key, mouse
 
 from ahmss.errors import DependencyError
-from ahmss_viewer.aim import Aim
+from ahmss_viewer.aim import Aim, Arrivals
 from ahmss_viewer.camera import View
 from ahmss_viewer.caption import Flat, Writer
 from ahmss_viewer.feed import LiveFeed, ReplayFeed
@@ -75,9 +75,9 @@ class _Viewer:
         self.feed = ReplayFeed(source) if isinstance(source, Replay) else LiveFeed(source)
         self.stage, self.painter, self.writer, self.pace = Stage(), Painter(fine=bool(options.fine)), Writer(), Pace()
         self.mirror = Mirror(self.stage, source.asset, source.skeleton)
-        self.aim = Aim(options)
+        self.aim, self.arrivals = Aim(options), Arrivals()
         self.view = View()
-        self.aimed = self.paused = self.closed = False
+        self.touched = self.paused = self.closed = False  # touched: the camera is where a person put it
         self.names, self.overlay = options.names, options.overlay is not False
         self.help: bool | None = None  # nobody has asked: at first it is shown
         self.following: Follower | None = Follower(options.follow) if options.follow else None
@@ -110,8 +110,7 @@ class _Viewer:
         """One picture."""
         self.stale = False
         size = self.window.get_framebuffer_size()
-        if not self.aimed and self.stage.actors:
-            self.aimed = True
+        if self.arrivals.due(self.stage) and not self.touched:
             self.view = self.aim.begin(self.stage, self.painter)
         if self.following is not None and not self.paused:
             self.view = self.following.step(self.view, self.stage, size[0] / size[1], self.pace.last)
@@ -173,12 +172,12 @@ class _Viewer:
             self.following = None
         elif buttons & mouse.LEFT:
             self.view = self.view.orbit(-_TURN * dx, -_TURN * dy)
-        self.stale = True
+        self.stale = self.touched = True
 
     def on_mouse_scroll(self, _x: int, _y: int, _dx: float, dy: float) -> None:
         """Nearer or farther."""
         self.view = self.view.zoom(_ZOOM**dy)
-        self.stale = True
+        self.stale = self.touched = True
 
     def on_key_press(self, symbol: int, _modifiers: int) -> bool:
         """One key, one thing."""
@@ -195,6 +194,7 @@ class _Viewer:
         elif symbol == key.H:
             self.help = not self.help if self.help is not None else time.monotonic() - self.begun >= _HELP_S
         elif symbol == key.R:
+            self.touched = False
             self.view = self.aim.begin(self.stage, self.painter)
         elif symbol == key.F:
             self._follow_next()
