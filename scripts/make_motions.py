@@ -2,7 +2,8 @@
 
     .venv/bin/python scripts/make_motions.py [--check]
 
-The poser (motions/poser.py) gives postures; motions/table.py and motions/doorway.py say which, and for how long.
+The motions at the table are posed (motions/table.py); those at the door and the chair are captured from the subject by
+a simulated tracker, a driver, the calibration and tables beside the clips (motions/captured.py).
 `--check` writes nothing and exits with 1 where a file differs from what it would write.
 """
 
@@ -12,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from motions import doorway, standing, table
+from motions import captured, standing, table
 from motions.scene import Scene
 
 from ahmss.database import Workspace
@@ -27,7 +28,7 @@ def make(workspace: Workspace) -> dict[str, Clip]:
     scene = Scene.of(workspace)
     skeleton = workspace.humans.get(MODEL).skeleton
     clips = {f"objectdb/{path}": clip for path, clip in table.clips(skeleton, scene).items()}
-    clips |= {f"objectdb/{path}": clip for path, clip in doorway.clips(skeleton, scene).items()}
+    clips |= {f"objectdb/{path}": clip for path, clip in captured.clips(skeleton, ROOT / "objectdb").items()}
     clips["objectdb/floor/stand.npz"] = standing.clip(skeleton)
     for name in workspace.humans.names():
         clips[f"humandb/{name}/stand.npz"] = standing.clip(workspace.humans.get(name).skeleton)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm.place import Transform
+from ahmss.algorithm.settling import settle
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -55,18 +56,22 @@ class Staged:
 def stage(task: HumanTask, clip: Clip) -> Staged:
     """Set a clip on the stage for the task's human, object and hand.
 
-    A clip whose feet stay on the floor is put where the human's feet stand; the others start at the human's floor
-    frame (or lie in the object's frame, where the header says so).
+    A clip whose feet stay on the floor is put where the human's feet stand, and where it is relative to an object, its
+    hips go between there and the object; the others start at the human's floor frame (or lie in the object's frame,
+    where the header says so).
 
     Raises:
-        AlgorithmError: the clip's targets are relative to a site, but the action names none.
+        AlgorithmError: the clip's targets are relative to a site, but the action names none; or the human is too far
+            from where a motion relative to an object starts.
     """
     if task.hand == "left":
         clip = mirrored(clip)
     present = feet(task.human, task.start.rotations, task.start.root)
-    planted = stands(clip)
-    if planted:
+    planted = _on_both_feet(clip)
+    if stands(clip):
         rotations, root = plant(task.human, clip.rotations, present)
+    elif planted:
+        rotations, root = settle(task, clip, _object(task), present)
     else:
         origin = _object(task) if clip.header.frame == "object" else _floor(task)
         rotations, root = clip.rotations.copy(), origin.apply(clip.root)
@@ -76,7 +81,7 @@ def stage(task: HumanTask, clip: Clip) -> Staged:
 
 def stands(clip: Clip) -> bool:
     """Whether both feet stay on the floor throughout; then each frame is staged by itself, and `part`s may be."""
-    return bool((clip.contacts > 0.5).all()) and clip.header.frame == "human"
+    return _on_both_feet(clip) and clip.header.frame == "human"
 
 
 def face(task: HumanTask, rotations: Array, root: Array) -> Transform:
@@ -89,6 +94,10 @@ def face(task: HumanTask, rotations: Array, root: Array) -> Transform:
 def lips(skeleton: Skeleton) -> Array:
     """The middle of the mouth (3,) in the head's frame, metres: under the eyes by a share of stature."""
     return skeleton.eye + skeleton.stature * _LIPS
+
+
+def _on_both_feet(clip: Clip) -> bool:
+    return bool((clip.contacts > 0.5).all())
 
 
 def _base(task: HumanTask, clip: Clip) -> Transform | None:

@@ -62,7 +62,7 @@ class Control:
 
     @property
     def holds(self) -> dict[str, str]:
-        """The objects that were taken, each with the hand that holds it."""
+        """The objects that were taken, each with the hand that holds it ("": none, it is sat on)."""
         return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes}
 
     @property

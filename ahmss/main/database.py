@@ -283,10 +283,14 @@ def _refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:
 
 
 def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str) -> str:
-    """The hand that is meant: as said, the one that holds the object, or the nearer free one where a hand is asked."""
+    """The hand that is meant: as said, the one that holds the object, or the nearer free one where a hand is asked.
+
+    What is taken is taken in a hand, unless its action says that it needs none: a chair is sat on.
+    """
     if act.hand or name in actor.holds:
         return act.hand or actor.holds[name]
-    if "hand" not in affordance.asks and affordance.hold != "take":
+    in_hand = affordance.hold == "take" and affordance.needs.get("free_hands", 1.0) > 0.0
+    if "hand" not in affordance.asks and not in_hand:
         return ""
     # The hips' z axis points back and y to the left.
     left = rotate(actor.rotations[0], np.array([0.0, 1.0, 0.0]))
@@ -301,7 +305,7 @@ def _check_needs(order: Order, actor: Actor) -> None:
     has = {
         "reach": reach(actor.skeleton),
         "stature": actor.skeleton.stature,
-        "free_hands": 2.0 - len(set(actor.holds.values())),
+        "free_hands": 2.0 - len(set(actor.holds.values()) - {""}),
     }
     for need, least in order.affordance.needs.items():
         if has.get(need, math.inf) < least - 1e-9:

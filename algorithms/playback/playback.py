@@ -1,6 +1,7 @@
 """Playing a captured or composed motion (Ichiguchi 2000, 5.3.1) in the frames asked for.
 
-The clip's hands and gaze go to their targets in the world; feet that bear weight stay where they touched down.
+The clip's hands and gaze go to their targets in the world; feet that bear weight stay where they touched down. Who
+stands too far from where the motion starts for that is refused.
 """
 
 from __future__ import annotations
@@ -12,11 +13,14 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.staging import Staged, face, part, stage, stands
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.planting import feet
 
 BEARING = 0.5  # contacts above this bear weight
+TOO_FAR = 0.35  # metres that a hand may be asked to go beside where the clip has it
+HANDS = {0: "right", 1: "left"}
 
 
 def playback(task: HumanTask) -> Iterator[Array]:
@@ -35,6 +39,7 @@ def _frames(task: HumanTask, clip: Clip) -> Array:
     """All frames (F - 1, 260) of a clip but its first."""
     staged = stage(task, clip)
     targets = _targets(task, staged)
+    _refuse_far(task, staged, targets)
     importance = staged.clip.importance * task.parameter("importance", 1.0)
     return task.block(staged.rotations[1:], staged.root[1:], importance[1:], targets[1:])
 
@@ -56,6 +61,24 @@ def _targets(task: HumanTask, staged: Staged) -> Array:
     else:
         _plant_steps(task, staged, targets)
     return targets
+
+
+def _refuse_far(task: HumanTask, staged: Staged, targets: Array) -> None:
+    """Refuse a motion whose hand would have to go far beside its own path to meet its target.
+
+    Raises:
+        AlgorithmError: says how far, and what to do.
+    """
+    for row, hand in HANDS.items():
+        met = int(targets[:, row, 7].argmax())
+        if targets[met, row, 7] < 0.9 or staged.base is None:
+            continue
+        palm = grips(task.human, staged.rotations[met], staged.root[met])[row, :3]
+        away = float(np.linalg.norm(targets[met, row, :3] - palm))
+        if away > TOO_FAR:
+            raise AlgorithmError(
+                f"the {hand} hand is wanted {away:.2f} m from where the motion takes it; bring the human nearer by that"
+            )
 
 
 def _plant_steps(task: HumanTask, staged: Staged, targets: Array) -> None:

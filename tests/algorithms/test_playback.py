@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ahmss.algorithm import frames
+from ahmss.algorithm import HumanPose, frames
 from ahmss.body.inverse import RIGHT_HAND
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip, ClipHeader, load, save
 from ahmss.motion.planting import feet
 
@@ -38,19 +40,85 @@ def test_the_feet_stay() -> None:
     body = Body()
     before = feet(body.skeleton, body.rotations, body.root)
     for pose in body.do("playback", body.start(DOOR, "open", frames=60)):
-        np.testing.assert_allclose(feet(body.skeleton, pose.rotations, pose.root), before, atol=3e-3)
+        now = feet(body.skeleton, pose.rotations, pose.root)
+        np.testing.assert_allclose(now[:, :3], before[:, :3], atol=3e-3)
+        assert np.abs(np.einsum("fc,fc->f", now[:, 3:], before[:, 3:])).min() > 0.99999
 
 
-def test_it_plays_where_the_human_is() -> None:
+def test_it_plays_where_the_human_is(tmp_path: Path) -> None:
+    """Anywhere, where no hand has to meet anything."""
+    save(replace(load(ROOT / "objectdb" / "door" / "open.npz"), targets=None), tmp_path / "lean.npz")
     here, there = Body(), Body(x=2.0, y=1.0, facing=90.0)
     ways = []
     for body in (here, there):
-        poses = list(frames(program("playback"), body.start(DOOR, "open", frames=100)))
-        ways.append(np.array([pose.root for pose in poses]) - body.root)
+        start = body.start(DOOR, "open", frames=100, motion=str(tmp_path / "lean.npz"))
+        ways.append(np.array([pose.root for pose in frames(program("playback"), start)]) - body.root)
     turned = np.stack([-ways[0][:, 1], ways[0][:, 0]], axis=-1)  # by 110 degrees, less the 90 undone below
     angle = np.radians(20.0)
     turned = turned @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     np.testing.assert_allclose(ways[1][:, :2], turned, atol=2e-3)
+
+
+def test_a_hand_that_is_wanted_far_away_is_refused() -> None:
+    body = Body(x=2.0, y=1.0, facing=90.0)
+    with pytest.raises(AlgorithmError, match=r"right hand is wanted 2\.\d\d m from where the motion takes it; bring"):
+        list(frames(program("playback"), body.start(DOOR, "open")))
+
+
+CHAIR, BEFORE = "room/chair", (1.42, 0.2, 180.0)  # where a human stands to sit down
+
+
+def sits(
+    name: str, *, x: float = BEFORE[0], y: float = BEFORE[1], facing: float = BEFORE[2]
+) -> tuple[Body, list[HumanPose]]:
+    body = Body(name, x, y, facing)
+    return body, body.do("playback", body.start(CHAIR, "sit"))
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_hips_meet_the_seat_whatever_the_stature(name: str) -> None:
+    body, shown = sits(name)
+    seat = frame_of(CHAIR).apply(np.array([0.0, 0.0, 0.43]))
+    ahead, aside, above = (frame_of(CHAIR).inverse().apply(shown[-1].root) - np.array([0.0, 0.0, seat[2]])).tolist()
+    assert abs(ahead + 0.055) < 0.005
+    assert abs(aside) < 0.005
+    assert 0.060 < above / body.skeleton.stature < 0.070  # what one sits on is so far below the hips' joint
+    heights = np.array([pose.root[2] for pose in shown]) - seat[2]
+    assert heights.min() > 0.059 * body.skeleton.stature
+
+
+@pytest.mark.parametrize(("name", "x", "y", "facing"), [("ken", 1.42, 0.2, 180.0), ("aiko", 1.36, 0.26, 172.0)])
+def test_the_feet_stay_where_they_are_while_one_sits_down(name: str, x: float, y: float, facing: float) -> None:
+    body = Body(name, x, y, facing)
+    before = feet(body.skeleton, body.rotations, body.root)
+    for pose in body.do("playback", body.start(CHAIR, "sit")):
+        now = feet(body.skeleton, pose.rotations, pose.root)
+        np.testing.assert_allclose(now[:, :3], before[:, :3], atol=2e-3)
+
+
+def test_who_sits_stands_up_to_where_they_stood() -> None:
+    body, _ = sits("aiko", x=1.40, y=0.25)
+    before = body.start(CHAIR, "sit")
+    shown = body.do("playback", body.start(CHAIR, "stand_up"))
+    assert before.pose.root[2] < 0.65
+    assert shown[-1].root[2] > 0.525 * body.skeleton.stature
+    np.testing.assert_allclose(shown[-1].root[:2], [1.40, 0.25], atol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("x", "facing", "sentence"),
+    [(0.6, 180.0, r"stands 0\.8\d m and 0 degrees from where the motion has it; bring it to 1\.4\d 0\.20 facing 180"),
+     (1.42, 90.0, r"90 degrees from where")],
+)  # fmt: skip
+def test_who_stands_elsewhere_is_refused(x: float, facing: float, sentence: str) -> None:
+    with pytest.raises(AlgorithmError, match=sentence):
+        sits("ken", x=x, facing=facing)
+
+
+def test_who_does_not_sit_does_not_stand_up() -> None:
+    body = Body("ken", *BEFORE)
+    with pytest.raises(AlgorithmError, match=r"begins on room/chair, and the hips are 0\.\d\d m from there"):
+        list(frames(program("playback"), body.start(CHAIR, "stand_up")))
 
 
 def test_a_walking_clip_keeps_each_foot_where_it_bears(tmp_path: Path) -> None:
