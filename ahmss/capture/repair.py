@@ -19,7 +19,7 @@ from ahmss.motion.resample import continuous
 __all__ = ["Gap", "Jump", "fill", "gaps", "jumps", "mend"]
 
 _SPEED = 0.05  # seconds before and after a gap from which the speed there is taken
-_GOES_ON = 0.1  # seconds; over a longer gap the speed at its ends goes on only so long
+_GOES_ON = 0.4  # seconds; over a longer gap the speed at its ends goes on only so long
 _SUDDEN = 500.0  # rad/s2; sensors on real walkers, unfiltered at 30 Hz, reach 540 where a heel strikes
 _TOGETHER = 0.1  # seconds; sudden turns so near each other are one jump
 _APART = 15.0  # degrees from the smooth way across it that make a sudden turn a jump; a heel strike measures 6

@@ -1,0 +1,95 @@
+"""A take becomes a clip of a human, and what a person should know of it is said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ahmss.body.links import INDEX
+from ahmss.body.skeleton import Skeleton
+from ahmss.capture.casting import performance_of
+from ahmss.capture.clipping import Choices, clip_of
+from ahmss.capture.stations import Status
+from ahmss.errors import CommandError
+from ahmss.motion.clip import load, save
+from ahmss.motion.contact import foot_points
+from tests.capture.taken import SUBJECT, degrees_between, performed, take_of
+from tests.motion.bvh import MOCAP
+
+
+def test_the_human_does_what_the_subject_did(tmp_path):
+    performance = performed("lift")
+    captured = clip_of(take_of(performance)[0], SUBJECT)
+    trunk = [INDEX[name] for name in ("hips", "spine", "head", "right_upper_arm", "left_hand")]
+    assert degrees_between(captured.clip.rotations[:, trunk], performance.rotations[:, trunk]).max() < 0.01
+    moved, meant = (np.ptp(root[:, 2]) for root in (captured.clip.root, performance.root))
+    assert moved == pytest.approx(meant, abs=0.02)
+    assert foot_points(SUBJECT, captured.clip.rotations, captured.clip.root)[..., 2].min() > -1e-3
+    relaxed, _ = SUBJECT.relaxed()
+    np.testing.assert_allclose(degrees_between(captured.clip.rotations[:, 15:], relaxed[15:]), 0.0, atol=1e-4)
+    save(captured.clip, tmp_path / "lift.npz")
+    assert load(tmp_path / "lift.npz").header.origin == "a test"
+
+
+def test_the_clip_begins_at_the_humans_own_floor_frame():
+    captured = clip_of(take_of(performed("sit", 70.0))[0], SUBJECT, Choices(facing=np.radians(70.0)))
+    np.testing.assert_allclose(captured.clip.root[0, :2], 0.0, atol=1e-9)
+    upright, _ = SUBJECT.upright()
+    assert degrees_between(captured.clip.rotations[0, 0], upright[0]) < 0.01
+
+
+def test_what_should_be_known_is_said():
+    take, _ = take_of(performed("lift", 40.0))
+    take.status[100:110, 5] = Status.MISSING
+    said = "\n".join(clip_of(take, SUBJECT).report())
+    assert "right_hand: nothing from 1.67 to 1.83 s, filled" in said
+    assert "faced +4" in said.replace("+3", "+4")
+    assert "faced" not in "\n".join(clip_of(take, SUBJECT, Choices(facing=np.radians(40.0))).report())
+
+
+def test_jitter_is_smoothed_when_asked():
+    take, _ = take_of(performed("lift"), noise="resolution")
+    true, _ = take_of(performed("lift"))
+    rough, smooth = clip_of(take, SUBJECT).clip, clip_of(take, SUBJECT, Choices(cutoff=6.0)).clip
+    meant = clip_of(true, SUBJECT).clip
+    head = INDEX["head"]
+    errors = [degrees_between(clip.rotations[:, head], meant.rotations[:, head]) for clip in (rough, smooth)]
+    assert errors[1].std() < 0.6 * errors[0].std()
+    with pytest.raises(CommandError, match="less than 30"):
+        clip_of(take, SUBJECT, Choices(cutoff=30.0))
+
+
+@pytest.fixture(scope="module")
+def stumble():
+    """A real capture in which the right foot jumps once."""
+    found = sorted(MOCAP.glob("*B02*.bvh"))
+    if not found:
+        pytest.skip(f"no motion capture in {MOCAP}")
+    return take_of(performance_of(str(found[0]), Skeleton.of(1.65, "female")))[0]
+
+
+def test_a_real_jump_is_found_and_mended_only_when_asked(stumble):
+    left = clip_of(stumble, SUBJECT)
+    jump = max(left.jumps, key=lambda each: each.degrees)
+    assert jump.link == "right_foot"
+    assert jump.degrees > 60.0
+    assert "--mend" in left.report()[-1]
+    mended = clip_of(stumble, SUBJECT, Choices(mend=True))
+    assert mended.report()[-1].endswith("mended")
+    feet = [clip.rotations[:, INDEX["right_foot"]] for clip in (left.clip, mended.clip)]
+    steps = [degrees_between(foot[1:], foot[:-1]).max() for foot in feet]
+    assert steps[0] > 25.0
+    assert steps[1] < 12.0
+
+
+def test_a_performance_that_is_not_there():
+    with pytest.raises(CommandError, match="door_open"):
+        performance_of("dance", SUBJECT)
+
+
+def test_unused_readings_do_not_matter():
+    take, _ = take_of(performed("lift"))
+    moved = replace(take, positions=take.positions + np.array([0.3, 0.1, 0.0]))
+    np.testing.assert_allclose(clip_of(moved, SUBJECT).clip.root, clip_of(take, SUBJECT).clip.root)
