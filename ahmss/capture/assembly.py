@@ -57,7 +57,8 @@ class Assembler:
         """
         self._names = dict(enumerate(stations, 1))
         self._expected = len(stations)
-        self._window = max(10, round(rate))
+        self._earnest = min(2, len(stations))
+        self._window = max(8, round(0.2 * rate))
         self._patience = 2.5 / rate
         self._losses = losses
         self._open: dict[int, _Open] = {}
@@ -72,6 +73,7 @@ class Assembler:
     def expect(self, active: Sequence[int]) -> None:
         """The device said which of its own stations are on: a sweep of these is complete."""
         self._expected = len([local for local in active if local in self._names]) or len(self._names)
+        self._earnest = min(2, self._expected)
 
     def feed(self, readings: Sequence[Reading]) -> list[Sweep]:
         """The sweeps that these readings complete."""
@@ -88,7 +90,11 @@ class Assembler:
 
     def flush(self, now: float) -> list[Sweep]:
         """The sweeps whose rest has not come for so long that it won't."""
-        due = [count for count, sweep in self._open.items() if now - sweep.began > self._patience]
+        due = [
+            count
+            for count, sweep in self._open.items()
+            if now - sweep.began > self._patience and len(sweep.readings) >= self._earnest
+        ]
         return self._numbered(self._close(max(due))) if due else []
 
     def _place(self, reading: Reading) -> int | None:
@@ -108,20 +114,28 @@ class Assembler:
         return self._recount(reading.count)
 
     def _recount(self, count: int) -> int | None:
-        """Begin to count anew where several readings in a row agree on it: the device was restarted."""
+        """Count on from elsewhere where several readings in a row agree: much was lost, or the device restarted."""
         self._strangers = [other for other in self._strangers if 0 <= count - other <= 1] + [count]
         if len(self._strangers) < _BELIEVED:
             return None
         self._strangers.clear()
         self._open.clear()
-        self._done, self._fresh = count - 1, True
+        self._fresh = self._done is None or count < self._done
+        self._done = count - 1
         return count
 
     def _pass_of(self, reading: Reading) -> int:
-        """Without a count: a station that is not behind the last one, or a pause, begins the next sweep."""
+        """Without a count: a pause, or a return to a station that was there or is far behind, begins the next sweep.
+
+        Not every station behind the last one does: a damaged station character would cut the sweep in two.
+        """
         current = self._open.get(self._pass)
-        paused = current is not None and reading.arrival - current.arrival > self._pause
-        if reading.station <= self._last_station or paused or current is None:
+        back = self._last_station - reading.station
+        if (
+            current is None
+            or reading.arrival - current.arrival > self._pause
+            or (back >= 0 and (2 * back > self._expected or self._names[reading.station] in current.readings))
+        ):
             self._pass += 1
         self._last_station = reading.station
         return self._pass
@@ -132,8 +146,7 @@ class Assembler:
         sweep.arrival = reading.arrival
         if len(sweep.readings) >= self._expected:
             return self._close(count)
-        begun = len(sweep.readings) >= min(2, self._expected) or reading.count is None
-        return self._close(count - 1) if begun else []
+        return self._close(count - 1) if len(sweep.readings) >= self._earnest or reading.count is None else []
 
     def _close(self, last: int) -> list[Sweep]:
         """All open sweeps up to this count, in order."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.merge import Merged
 from ahmss.capture.stations import TRACKED, Reading, Status, TrackerFrame
@@ -20,6 +21,9 @@ SPEED = 10.0
 TURN = 30.0
 """rad/s: no link turns faster (public walks and turns: 13)."""
 
+PUSH, TWIST = 200.0, 1200.0
+"""m/s2 and rad/s2 between one frame and the next (public walks and turns: 170 and 1,100)."""
+
 _JITTER = 0.03  # metres and, with the next, radians between two readings at rest: three times the noise at 15 feet
 _JITTER_TURN = 0.05
 _AGREE = 3  # so many readings in a row at another place are right: the person, or the field, did move there
@@ -29,11 +33,18 @@ _LINKS = len(TRACKED)
 
 def possible(places: tuple[Array, Array], rotations: tuple[Array, Array], seconds: Array | float) -> NDArray[np.bool_]:
     """Whether sensors can get from the first of places (..., 3) and rotations (..., 4) to the second in this time."""
+    return _near(places, rotations, SPEED * seconds, TURN * seconds)
+
+
+def _near(
+    places: tuple[Array, Array], rotations: tuple[Array, Array], metres: Array | float, radians: Array | float
+) -> NDArray[np.bool_]:
+    """Whether two poses are so close, but for the sensor's noise."""
     moved = places[1] - places[0]
     distance = np.sqrt(np.einsum("...i,...i->...", moved, moved))
     cosine = np.abs(np.einsum("...i,...i->...", rotations[0], rotations[1]))
     angle = 2.0 * np.arccos(np.minimum(cosine, 1.0))
-    return (distance <= SPEED * seconds + _JITTER) & (angle <= TURN * seconds + _JITTER_TURN)
+    return (distance <= metres + _JITTER) & (angle <= radians + _JITTER_TURN)
 
 
 class Gate:
@@ -51,6 +62,8 @@ class Gate:
         self._losses = losses
         self._places, self._rotations = np.zeros((_LINKS, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (_LINKS, 1))
         self._good = np.full(_LINKS, -1)  # number of the frame in which a row was good last
+        self._before, self._turned_before = self._places.copy(), self._rotations.copy()  # the good ones before those
+        self._moving = np.zeros(_LINKS, bool)  # whether these two came in adjacent frames
         self._held_places, self._held_rotations = self._places.copy(), self._rotations.copy()
         self._held = np.full(_LINKS, -1)  # number of the frame in which a row was held back last
         self._agreed = np.zeros(_LINKS, int)
@@ -61,6 +74,8 @@ class Gate:
         seen, weak, places, rotations = self._spread(merged)
         taken = seen & self._judge(merged.number, seen, places, rotations)
         behind = np.einsum("ij,ij->i", rotations, self._rotations) < 0.0
+        self._moving[taken] = (merged.number - self._good[taken]) == 1
+        self._before[taken], self._turned_before[taken] = self._places[taken], self._rotations[taken]
         self._places[taken] = places[taken]
         self._rotations[taken] = np.where(behind[:, None], -rotations, rotations)[taken]
         self._good[taken] = merged.number
@@ -90,9 +105,12 @@ class Gate:
 
     def _judge(self, number: int, seen: NDArray[np.bool_], places: Array, rotations: Array) -> NDArray[np.bool_]:
         """Which rows are to be believed (15,)."""
-        believed = (self._good < 0) | possible(
-            (self._places, places), (self._rotations, rotations), (number - self._good) * self._period
-        )
+        steps = number - self._good
+        believed = possible((self._places, places), (self._rotations, rotations), steps * self._period)
+        moving = self._moving & (steps == 1)
+        if moving.any():
+            believed &= ~moving | self._follows(places, rotations)
+        believed |= self._good < 0
         doubted = seen & ~believed
         if doubted.any():
             agrees = possible(
@@ -104,6 +122,13 @@ class Gate:
             believed |= doubted & (self._agreed >= _AGREE)
         self._agreed[seen & believed] = 0
         return believed
+
+    def _follows(self, places: Array, rotations: Array) -> NDArray[np.bool_]:
+        """Whether rows go on from their last two good readings, a frame apart, as a body with muscles can (15,)."""
+        expected = 2.0 * self._places - self._before
+        turned = multiply(multiply(self._rotations, conjugate(self._turned_before)), self._rotations)
+        square = self._period * self._period
+        return _near((expected, places), (turned, rotations), PUSH * square, TWIST * square)
 
     def _time(self, merged: Merged) -> float:
         """Seconds since the first frame: by the device's stamps where they fit its frame numbers, else by these."""

@@ -58,8 +58,8 @@ def of_silence(config: TrackerConfig, line: LineConfig, heard: Heard, now: float
         )
     if heard.bytes:
         return (
-            f"{where}: bytes come, but nothing that {device} sends; its baud rate is probably not {line.baud} (switches on "
-            "its back set it): `ahmss capture doctor` tries the others"
+            f"{where}: bytes come, but nothing that {device} sends; the baud rate is hardly {line.baud} (switches "
+            "on its back set it): `ahmss capture doctor` tries the others"
         )
     return (
         f"{where}: not a byte comes; is the {device} switched on, is the cable plugged in at both ends, and is it the "

@@ -19,31 +19,37 @@ __all__ = ["Numbers", "UdpPort"]
 _TIMEOUT = 0.02
 _RETRY = 0.5
 _LARGEST = 4096
+_NEAR = 3  # frames by which a number may be off
 
 
 class Numbers:
-    """Tells a late datagram from one of a tracker that was started again."""
+    """Tells datagrams of a tracker that goes on from damaged ones, and from those of a tracker that was started again."""
 
     def __init__(self, rate: float) -> None:
-        """Args: frames a second. A second back and ten ahead are the same tracker."""
-        self._back, self._ahead = round(rate), round(10 * rate)
-        self._latest: int | None = None
+        """Args: frames a second."""
+        self._rate = rate
+        self._latest: tuple[int, float] | None = None
         self._stranger: int | None = None
 
-    def judge(self, number: int) -> bool | None:
-        """True: the numbers begin anew here; False: they go on; None: it belongs to nothing."""
+    def judge(self, number: int, now: float) -> bool | None:
+        """True: the numbers begin anew here; False: they go on; None: this one belongs to nothing.
+
+        A number goes on when it is near the latest, or as far ahead as time has gone by; else when the next confirms it.
+        """
         if self._latest is None:
-            self._latest = number
+            self._latest = (number, now)
             return True
-        if -self._back <= number - self._latest <= self._ahead:
-            self._latest, self._stranger = max(self._latest, number), None
+        ahead, due = number - self._latest[0], (now - self._latest[1]) * self._rate
+        goes_on = -self._rate <= ahead <= _NEAR or abs(ahead - due) <= _NEAR + 0.25 * due
+        if not goes_on and not (self._stranger is not None and 0 < number - self._stranger <= _NEAR):
+            self._stranger = number
+            return None
+        self._stranger = None
+        if goes_on:
+            self._latest = max(self._latest, (number, now))
             return False
-        begun = self._stranger is not None and 0 < number - self._stranger <= 3
-        self._stranger = None if begun else number
-        if begun:
-            self._latest = number
-            return True
-        return None
+        self._latest = (number, now)
+        return ahead < 0
 
 
 class UdpPort:
@@ -77,9 +83,7 @@ class UdpPort:
             return ""
         where = f"UDP {udp.address}:{udp.port}"
         if heard.records:
-            return (
-                f"{where}: the tracker fell silent {now - heard.last_record:.0f} s ago; look at its power and its cable"
-            )
+            return f"{where}: silent for {now - heard.last_record:.0f} s; look at the tracker's power and cable"
         if self.losses.foreign:
             return f"{where}: {self.losses.foreign} datagrams came, none of an ULTRATRAK; is this the right port?"
         return (
@@ -113,7 +117,7 @@ class UdpPort:
 
     def _frame(self, data: bytes, now: float, numbers: Numbers) -> None:
         frame = ultratrak.decode(data, self._config.units, self.losses, now)
-        fresh = None if frame is None else numbers.judge(frame.number)
+        fresh = None if frame is None else numbers.judge(frame.number, now)
         if frame is None:
             return
         if fresh is None:

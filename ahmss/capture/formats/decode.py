@@ -12,10 +12,10 @@ from ahmss.body.euler import from_euler
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.stations import Reading
 
-__all__ = ["REACH", "UNIT", "Columns", "readings"]
+__all__ = ["BINARY", "PRINTED", "REACH", "Columns", "Raw", "doubles", "readings"]
 
-UNIT = 1e-3
-"""How far a quaternion's length may be from 1: four printed decimals are off by 1e-4 at most."""
+PRINTED, BINARY = 2.5e-4, 1e-4
+"""How far a quaternion's length may be from 1: four printed decimals put it off by 1e-4, a float32 by less."""
 
 REACH = 9.2
 """How far from the transmitter a sensor can be, metres: 30 feet, the longest range that is sold."""
@@ -23,11 +23,15 @@ REACH = 9.2
 
 @dataclass(frozen=True)
 class Columns:
-    """Where in a record's numbers the position (3) and the orientation (3 Euler angles or 4 of a quaternion) begin."""
+    """Where in a record's numbers the position (3) and the orientation (3 Euler angles or 4 of a quaternion) begin.
+
+    unit: how far the quaternion's length may be from 1.
+    """
 
     position: int
     orientation: int
     euler: bool
+    unit: float = BINARY
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +48,12 @@ class Raw:
     stamps: list[int] | None = None
 
 
+def doubles(numbers: NDArray[np.float32]) -> Array:
+    """As float64; damaged bytes may be signalling NaNs, over which numpy would warn."""
+    with np.errstate(invalid="ignore"):
+        return numbers.astype(float)
+
+
 def readings(raw: Raw, columns: Columns, metres: float, losses: Losses, arrival: float) -> list[Reading]:
     """The readings of those records whose values can be; the others are counted as damaged.
 
@@ -54,8 +64,9 @@ def readings(raw: Raw, columns: Columns, metres: float, losses: Losses, arrival:
         losses: counts `records` and `damaged`.
         arrival: when their last byte came, monotonic seconds.
     """
-    positions = raw.values[:, columns.position : columns.position + 3] * metres
-    rotations, possible = _rotations(raw.values[:, columns.orientation :], euler=columns.euler)
+    with np.errstate(over="ignore", invalid="ignore"):
+        positions = raw.values[:, columns.position : columns.position + 3] * metres
+    rotations, possible = _rotations(raw.values[:, columns.orientation :], columns)
     with np.errstate(over="ignore", invalid="ignore"):
         possible &= np.einsum("ij,ij->i", positions, positions) <= REACH * REACH
     losses.records += int(possible.sum())
@@ -78,11 +89,11 @@ def readings(raw: Raw, columns: Columns, metres: float, losses: Losses, arrival:
     ]
 
 
-def _rotations(numbers: Array, *, euler: bool) -> tuple[Array, NDArray[np.bool_]]:
+def _rotations(numbers: Array, columns: Columns) -> tuple[Array, NDArray[np.bool_]]:
     """Unit quaternions (n, 4), and which of them (n,) come from possible numbers."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        if euler:
+        if columns.euler:
             possible = np.all(np.abs(numbers[:, :3]) <= (180.01, 90.01, 180.01), axis=1)
             return from_euler(np.radians(numbers[:, :3])), possible
         length = np.sqrt(np.einsum("ij,ij->i", numbers[:, :4], numbers[:, :4]))
-        return numbers[:, :4] / length[:, None], np.abs(length - 1.0) <= UNIT
+        return numbers[:, :4] / length[:, None], np.abs(length - 1.0) <= columns.unit

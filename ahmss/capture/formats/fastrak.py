@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ahmss.capture.formats.decode import Columns
+from ahmss.capture.formats.decode import BINARY, Columns
 from ahmss.capture.formats.layout import Layout
 from ahmss.errors import CommandError
 
@@ -24,8 +24,8 @@ def head(station: int, status: str) -> bytes:
     return b"0" + STATIONS[station - 1].encode() + (status or " ").encode()
 
 
-def columns(layout: Layout) -> Columns:
-    """Where position and orientation stand in a record of this output list.
+def columns(layout: Layout, unit: float = BINARY) -> Columns:
+    """Where position and orientation stand in a record of this output list; `unit` as in `Columns`.
 
     Raises:
         CommandError: the list has no position or no orientation, or an item that is not known.
@@ -37,4 +37,4 @@ def columns(layout: Layout) -> Columns:
             f"output list {layout.items}: needs 2 (position) and one of 4 (Euler angles), 11 (quaternion)"
         )
     before = {item: sum(NUMBERS.get(other, 0) for other in layout.items[:at]) for at, item in enumerate(layout.items)}
-    return Columns(before[POSITION], before[orientation], orientation == EULER)
+    return Columns(before[POSITION], before[orientation], orientation == EULER, unit)

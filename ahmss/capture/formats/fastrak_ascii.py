@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from ahmss.body.euler import to_euler
-from ahmss.capture.formats.decode import Raw, readings
+from ahmss.capture.formats.decode import PRINTED, Raw, readings
 from ahmss.capture.formats.fastrak import CR_LF, EULER, HEAD, POSITION, QUATERNION, SPACE, STATIONS, columns, head
 from ahmss.capture.formats.layout import METRES, Layout
 from ahmss.capture.formats.losses import Losses
@@ -57,7 +57,7 @@ def parser(layout: Layout) -> PatternParser:
     Raises:
         CommandError: the output list has no position or no orientation, or an item that is not known.
     """
-    where = columns(layout)
+    where = columns(layout, PRINTED)
     metres = METRES[layout.units]
     pattern = HEAD % STATIONS[: layout.stations].encode() + b"".join(_FIELDS[item] for item in layout.items)
 

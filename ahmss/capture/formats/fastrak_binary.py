@@ -8,7 +8,7 @@ import struct
 import numpy as np
 
 from ahmss.body.euler import to_euler
-from ahmss.capture.formats.decode import Raw, readings
+from ahmss.capture.formats.decode import Raw, doubles, readings
 from ahmss.capture.formats.fastrak import CR_LF, EULER, HEAD, POSITION, QUATERNION, SPACE, STATIONS, columns, head
 from ahmss.capture.formats.layout import METRES, Layout
 from ahmss.capture.formats.losses import Losses
@@ -62,7 +62,7 @@ def parser(layout: Layout) -> PatternParser:
         raw = Raw(
             [STATIONS.index(chr(field[0][0])) + 1 for field in fields],
             [field[1].decode().strip() for field in fields],
-            numbers.astype(float).reshape(len(fields), -1),
+            doubles(numbers).reshape(len(fields), -1),
         )
         return readings(raw, where, metres, losses, arrival)
 

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ahmss.body.euler import to_euler
-from ahmss.capture.formats.decode import Columns, Raw, readings
+from ahmss.capture.formats.decode import Columns, Raw, doubles, readings
 from ahmss.capture.formats.layout import METRES, Layout
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.formats.parser import PatternParser
@@ -110,7 +110,7 @@ def parser(layout: Layout) -> PatternParser:
         raw = Raw(
             [head[0] for head in heads],
             ["" if head[2] in b"\0 " else chr(head[2]) for head in heads],
-            np.hstack([values["position"], values[orientation]]).astype(float),
+            doubles(np.hstack([values["position"], values[orientation]])),
             values["count"].tolist() if "count" in (body.names or ()) else None,
             values["stamp"].tolist() if "stamp" in (body.names or ()) else None,
         )

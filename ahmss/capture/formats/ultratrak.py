@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ahmss.capture.formats.decode import Columns, Raw, readings
+from ahmss.capture.formats.decode import Columns, Raw, doubles, readings
 from ahmss.capture.formats.layout import METRES, Units
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.stations import Reading
@@ -77,6 +77,6 @@ def decode(data: bytes, units: Units, losses: Losses, arrival: float = 0.0) -> D
     losses.damaged += int(count - known.sum())
     rows = rows[known & (rows["update"] != 0) & (rows["update"] != ord("0"))]
     stations = 2 * (rows["board"].astype(int) - ord("0")) + rows["station"] - ord("0")
-    values = np.hstack([rows["position"], rows["quaternion"]]).astype(float)
+    values = doubles(np.hstack([rows["position"], rows["quaternion"]]))
     raw = Raw(stations.tolist(), [""] * len(rows), values, [number] * len(rows))
     return Datagram(number, readings(raw, _COLUMNS, METRES[units], losses, arrival))
