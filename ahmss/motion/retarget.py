@@ -21,7 +21,9 @@ from ahmss.motion.refining import standing
 __all__ = ["hand_places", "retarget"]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_SOFT = 0.04  # metres over which the scale across the body changes at the shoulder
+_BEYOND = 0.01  # metres that a hand may be beyond reach; the arm then only points at it
+_MOST_SHIFT, _STEPS = 0.03, 60  # metres by which shoulders may be shifted for that
+_SOFT = 0.03  # metres over which the scale across the body changes at the shoulder
 _FEET = [INDEX["right_foot"], INDEX["left_foot"]]
 _HANDS = [INDEX["right_hand"], INDEX["left_hand"]]
 _SHOULDERS = [INDEX["right_upper_arm"], INDEX["left_upper_arm"]]
@@ -95,12 +97,13 @@ def standing_height(body: BodyMotion) -> float:
 def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Array) -> Array:
     """Where the wrists (F, 2, 3) belong on this human, world, metres.
 
-    The performer's shoulder is where it is as a rule, carried by the trunk: what the collarbone does is the arm's here.
+    The performer's shoulder is one place on the trunk: what the collarbone does is the arm's here.
     """
-    trunk = body.rotations[:, _SPINE]
-    seen = rotate(conjugate(trunk)[:, None], body.places[:, _SHOULDERS] - body.places[:, None, _HEAD])
-    shoulders = np.median(seen, axis=0)  # (2, 3) from the neck, in the trunk's axes
-    hands = rotate(conjugate(trunk)[:, None], body.places[:, _HANDS] - body.places[:, None, _HEAD]) - shoulders
+    trunk = conjugate(body.rotations[:, None, _SPINE])
+    neck = body.places[:, None, _HEAD]
+    hands = rotate(trunk, body.places[:, _HANDS] - neck)
+    shoulders = _pivots(body, hands, np.median(rotate(trunk, body.places[:, _SHOULDERS] - neck), axis=0))
+    hands = hands - shoulders
     lower = INDEX["right_lower_arm"]
     own = float(np.linalg.norm(skeleton.offsets[[lower, lower + 1]], axis=-1).sum())
     scale = own / arm_length(body)
@@ -110,6 +113,26 @@ def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Ar
     placed[..., 1] = outward * _across(outward * hands[..., 1], own_half / half, scale)
     places, world = forward(rotations, root, skeleton.offsets)
     return places[:, _SHOULDERS] + rotate(world[:, None, _SPINE], placed)
+
+
+def _pivots(body: BodyMotion, hands: Array, usual: Array) -> Array:
+    """Where on the trunk shoulders (2, 3) are taken to be: as a rule, but so that no hand is farther than arms reach.
+
+    Args:
+        body: the motion.
+        hands: (F, 2, 3) from the neck, in the trunk's axes, metres.
+        usual: (2, 3) the shoulders' middle places, likewise.
+    """
+    reach, pivots = arm_length(body) + _BEYOND, usual.copy()
+    for side in range(2):
+        for _ in range(_STEPS):
+            ways = hands[:, side] - pivots[side]
+            far = np.linalg.norm(ways, axis=-1)
+            worst = int(far.argmax())
+            if far[worst] <= reach or np.linalg.norm(pivots[side] - usual[side]) > _MOST_SHIFT:
+                break
+            pivots[side] += 0.5 * (far[worst] - reach) * ways[worst] / far[worst]
+    return pivots
 
 
 def _across(out: Array, inner: float, outer: float) -> Array:
