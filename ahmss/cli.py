@@ -146,15 +146,20 @@ def play(
     fast: Annotated[bool, typer.Option(help="As fast as it can, the same at each run.")] = False,
     seed: Annotated[int, typer.Option(help="For whatever is random.")] = 0,
     record: Annotated[Path | None, typer.Option(help="Record the run into this file.")] = None,
-    server: Server = "",
+    server: Annotated[
+        str, typer.Option(metavar="HOST[:PORT]", help="A server that runs; left out: one of its own, just for this.")
+    ] = "",
+    fresh: Annotated[
+        bool, typer.Option(help="With --server: take away first what the script adds and is there already.")
+    ] = False,
     keys: Keys = None,
     workspace: Workspace = None,
 ) -> None:
-    """Play a script on a server of its own, or a recording. Example: ahmss play examples/table.txt --fast"""
+    """Play a script, or a recording, in a world of its own or of a server. Example: ahmss play examples/table.txt"""
     from ahmss.main.play import PlaySetup, play_script
     from ahmss.main.replay import is_recording, play_recording
 
-    setup = PlaySetup(fast, seed, record, server, keys, workspace)
+    setup = PlaySetup(fast, seed, record, server, keys, workspace, fresh=fresh)
     if is_recording(file):
         play_recording(file, setup, typer.echo)
         return

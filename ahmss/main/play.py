@@ -18,6 +18,7 @@ from ahmss.errors import CommandError
 from ahmss.main.command import Human
 from ahmss.main.process import Report
 from ahmss.main.script import Script, read_script
+from ahmss.main.setting import make_room
 from ahmss.world.process import ServerProcess
 
 __all__ = ["PlayReport", "PlaySetup", "play_script", "running_server"]
@@ -30,7 +31,8 @@ class PlaySetup:
     """How a script is played; without `server` it gets one of its own, which alone can record.
 
     `stay`: the bodies stay when it is over, as they do on a server of its own: its recording ends with them.
-    `waits`: the server that is named runs in lockstep.
+    `waits`: the server that is named runs in lockstep, for this script.
+    `fresh`: what the script adds and the named server has already is taken away first.
     """
 
     fast: bool = False
@@ -41,6 +43,7 @@ class PlaySetup:
     workspace: Path | None = None
     stay: bool = False
     waits: bool = False
+    fresh: bool = False
 
     @property
     def lockstep(self) -> bool:
@@ -111,6 +114,8 @@ def play_script(path: Path, setup: PlaySetup, ready: Callable[[str], None] = lam
     group = path.stem if setup.fast else f"{path.stem}-{secrets.token_hex(4)}"
     with ExitStack() as stack:
         address = stack.enter_context(running_server(setup, names, problems))
+        if setup.server and not setup.waits:
+            make_room(script, address, setup.keys, fresh=setup.fresh)
         ready(address)
         mains = [_start(script, human, setup, address, group) for human in script.humans]
         try:

@@ -16,8 +16,10 @@ import pytest
 from ahmss.main.judging import motion_of
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.main.process import MainProcess
+from ahmss.world.client import WorldClient
 from ahmss.world.process import ServerProcess
 from ahmss.world.recording import Reader
+from ahmss.world.schema import NewObject
 from ahmss.world.view import World
 from tests.main.ground import steps
 
@@ -199,6 +201,38 @@ def test_a_server_that_forgot_the_world_does_not_freeze_the_human(
     _, seen = world.human("ken")
     assert np.abs(seen - main.blending.rotations).max() < 1e-6
     assert len(main.report.messages) <= 3, main.report.messages
+
+
+def test_a_script_that_was_played_before_on_this_server_says_so_in_one_sentence_and_begins_afresh_where_asked(
+    workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path
+) -> None:
+    script = tmp_path / "one.txt"
+    script.write_text("add box as b at 0.3 0 1\nhuman ken body ken at 0 0\ndo b wave frames 5\n")
+    address = server().address
+    arguments = ("play", str(script), "--server", address, "--workspace", str(workspace))
+    first = run(*arguments)
+    assert first.returncode == 0, first.stderr
+    again = run(*arguments)
+    assert again.returncode == 1
+    assert f"one.txt:1: the world at {address} has b already" in again.stderr
+    assert "--fresh" in again.stderr
+    assert len(again.stderr.splitlines()) == 1
+    afresh = run(*arguments, "--fresh")
+    assert afresh.returncode == 0, afresh.stderr
+    with WorldClient(address) as client:
+        assert list(client.refresh().objects) == ["b"]
+
+
+def test_a_script_that_takes_away_what_it_adds_can_be_played_again(
+    workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path
+) -> None:
+    script = tmp_path / "one.txt"
+    script.write_text("human ken body ken at 0 0\nremove box\nadd box at 0.3 0 1\ndo box wave frames 5\n")
+    address = server().address
+    with WorldClient(address) as client:
+        client.add([NewObject("box", "box")])
+    done = run("play", str(script), "--server", address, "--workspace", str(workspace))
+    assert done.returncode == 0, done.stderr
 
 
 def test_interrupt_stops_the_motion_and_not_the_console(workspace: Path, server: Callable[..., ServerProcess]) -> None:
