@@ -61,7 +61,7 @@ class Gate:
         self._period = 1.0 / rate
         self._losses = losses
         self._places, self._rotations = np.zeros((_LINKS, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (_LINKS, 1))
-        self._good = np.full(_LINKS, -1)  # number of the frame in which a row was good last
+        self._good = np.full(_LINKS, -2)  # number of the frame in which a row was good last; -2: never, nor just before 0
         self._before, self._turned_before = self._places.copy(), self._rotations.copy()  # the good ones before those
         self._moving = np.zeros(_LINKS, bool)  # whether these two came in adjacent frames
         self._held_places, self._held_rotations = self._places.copy(), self._rotations.copy()
