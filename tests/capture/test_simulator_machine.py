@@ -78,6 +78,31 @@ def test_stations_that_are_off_send_nothing_and_leave_the_others_more_of_the_mea
     assert find_stations("fastrak", bench.tell(b"l1\r")) == (1, 2, 3)
 
 
+def test_stations_switched_while_it_sends_change_the_rate_from_then_on_and_nothing_else():
+    bench = Bench("liberty", stations=4, measurements=120.0, rate=240.0)
+    bench.tell(b"F1\rO*,2,7,9\rC\r", 0.0)
+    parser = liberty.parser(Layout((2, 7, 9)))
+
+    def next_frames(now: float, count: int) -> list[float]:
+        """When the next frames are ready; each station's reading must be the subject's at that time."""
+        times = []
+        for _ in range(count):
+            now = bench.machine.next_time(now)
+            times.append(now)
+            reading = parser.feed(bench.answers(now))[0]
+            assert reading.position == pytest.approx(bench.stage.sense(1, now, 0).position, abs=1e-5)
+        return times
+
+    steps = np.diff(next_frames(0.0, 5))
+    assert steps == pytest.approx(1 / 30.0)
+    bench.tell(b"\x154,0\r\x153,0\r", 0.2)
+    steps = np.diff(next_frames(0.2, 8))
+    assert steps == pytest.approx(1 / 60.0)
+    bench.tell(b"\x154,1\r\x153,1\r", 0.5)
+    steps = np.diff(next_frames(0.5, 4))
+    assert steps == pytest.approx(1 / 30.0)
+
+
 def test_continuous_output_begins_the_performance_and_its_end_the_silence():
     bench = Bench()
     bench.tell(b"F", 10.0)

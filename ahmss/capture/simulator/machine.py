@@ -16,15 +16,14 @@ from ahmss.capture.commands import ALL_STATIONS, Command, CommandDecoder
 from ahmss.capture.formats import fastrak_ascii, fastrak_binary, liberty
 from ahmss.capture.formats.answers import StatusRecord, encode_stations, encode_status
 from ahmss.capture.formats.layout import Layout
-from ahmss.capture.simulator.options import MODELS, SimulatorOptions
+from ahmss.capture.simulator.options import SimulatorOptions
+from ahmss.capture.simulator.rhythm import Rhythm
 from ahmss.capture.simulator.settings import Settings, StationSettings
-from ahmss.capture.simulator.stage import Stage
+from ahmss.capture.simulator.stage import Sensed, Stage
 from ahmss.capture.stations import Reading
 from ahmss.errors import CommandError
 
 __all__ = ["Machine"]
-
-_SLACK = 1e-9  # seconds: what a sum of frame times is off by at most
 
 
 class Machine:
@@ -41,16 +40,17 @@ class Machine:
         """Frames handed to the line."""
         self._ear = CommandDecoder(options.kind)
         self._out: deque[bytes] = deque()
-        self._sent = -1  # the newest frame that was sent
-        self._zero: float | None = None  # when the device's own counters were 0
+        self._rhythm = Rhythm(options, stage, len(self._stations))
+        self._awake = False  # whether it was ever switched on
         self._asleep = -math.inf  # until then it reinitialises
 
     # -- what goes in
 
     def hear(self, data: bytes, now: float) -> None:
         """Obey the commands that these bytes complete; a device that is off or reinitialising is deaf."""
-        if self._zero is None:
-            self._zero = now
+        if not self._awake:
+            self._awake = True
+            self._rhythm.count_from(now)
         if self._faults.off or now < self._asleep:
             return
         for command in self._ear.feed(data):
@@ -73,7 +73,7 @@ class Machine:
         elif name in ("status", "station") and not command.arguments:
             self._out.append(self._state(name))
         elif name == "defaults":
-            self.settings = Settings.factory(len(self._stations))
+            self._change(Settings.factory(len(self._stations)), now)
         elif name == "save":
             self._saved = self.settings
         elif name == "reinitialise":
@@ -89,15 +89,16 @@ class Machine:
         """Begin, end, or send one frame."""
         liberty_poll = name == "poll" and self._options.kind != "fastrak"  # a poll ends its continuous output
         if name == "continuous" and not self.continuous:
-            self.continuous, self._sent = True, -1
+            self.continuous = True
+            self._rhythm.begin()
             self._stage.start(self._unit, now)
         elif name == "stop" or liberty_poll:
             self.continuous = False
             self._stage.stop(self._unit)
         if name == "poll":
             self._stage.asked(now)
-            self._sent = self._sent + 1 if self._options.clock == "poll" else self._newest(now)
-            self._out.append(self._frame(self._sent))
+            self._rhythm.last = self._rhythm.newest(now)
+            self._out.append(self._frame(self._rhythm.last))
 
     def _set(self, command: Command, now: float) -> None:
         """Change the settings of one station, or of all."""
@@ -106,7 +107,12 @@ class Machine:
             if not 0 <= index < len(self._stations):
                 raise IndexError(index)
             changed = self._changed(self.settings.stations[index], index, command, now)
-            self.settings = self.settings.with_station(index, changed)
+            self._change(self.settings.with_station(index, changed), now)
+
+    def _change(self, settings: Settings, now: float) -> None:
+        """From now on these settings."""
+        self.settings = settings
+        self._rhythm.share_among(settings.active, now)
 
     def _changed(self, station: StationSettings, index: int, command: Command, now: float) -> StationSettings:
         """A station's settings after a command."""
@@ -119,33 +125,36 @@ class Machine:
             case "station":
                 return replace(station, active=bool(values[0]))
             case "hemisphere":
-                return replace(station, hemisphere=np.array(values[:3]).reshape(3))
+                x, y, z = values
+                return replace(station, hemisphere=(x, y, z))
             case "boresight":
                 self._stage.asked(now)
-                sensed = self._stage.sense(self._stations[index], *self._moment(index, max(self._newest(now), 0)))
-                return station.boresighted(sensed.rotation)
+                sensed = self._sense(index, max(self._rhythm.newest(now), 0))
+                return station.boresighted(sensed.rotation, sensed.position)
             case "unboresight":
-                return replace(station, boresight=StationSettings().boresight)
+                return replace(station, boresight=None)
             case "alignment":
                 return station.aligned(self.settings.metres(np.array(values).reshape(3, 3)))
             case "reset_alignment":
-                return replace(station, origin=StationSettings().origin, frame=StationSettings().frame)
+                return replace(station, alignment=None)
             case _:  # filters and the like, which change nothing here
                 return station
 
     def _reinitialise(self, now: float) -> None:
         """As if switched off and on: saved settings, and deaf and dumb for a while."""
-        self.settings, self.continuous = self._saved, False
+        self.continuous = False
         self._stage.stop(self._unit)
+        self._change(self._saved, now)
         self._out.clear()
         self._ear = CommandDecoder(self._options.kind)
-        self._zero = self._asleep = now + (0.0 if self._options.clock == "poll" else self._options.boot)
+        self._asleep = now + (0.0 if self._options.clock == "poll" else self._options.boot)
+        self._rhythm.count_from(self._asleep)
 
     def _reset_counters(self, now: float) -> None:
         """A recorder is about to begin: frames count from here, and a subject that nobody watches begins anew."""
-        self._zero = now
+        self._rhythm.count_from(now)
         if not self.continuous:
-            self._sent = -1
+            self._rhythm.begin()
             self._stage.rest()
 
     def _refuse(self, command: Command) -> None:
@@ -162,71 +171,44 @@ class Machine:
             return b""
         if self._out:
             return self._out.popleft()
-        if not self.continuous:
+        frame = self._rhythm.due(now) if self.continuous else None
+        if frame is None:
             return b""
-        newest = self._sent + 1 if self._options.clock == "poll" else self._newest(now)
-        if newest <= self._sent or self._stage.over(newest / self.frames_a_second):
-            return b""
-        self._sent = newest
-        return self._frame(newest)
+        self._rhythm.last = frame
+        return self._frame(frame)
 
     def next_time(self, now: float) -> float | None:
         """When it will next have something to say, if nothing is heard meanwhile; None: never."""
         if self._faults.off or not (self.continuous or self._out):
             return None
-        if self._out or self._options.clock == "poll":
-            return max(now, self._asleep)
-        frame = max(self._newest(now), self._sent) + 1
-        if self._stage.over(frame / self.frames_a_second):
-            return None
-        return (self._stage.epoch or 0.0) + frame / self.frames_a_second
+        return max(now, self._asleep) if self._out else self._rhythm.next_time(now)
 
     @property
     def frames_a_second(self) -> float:
         """Of the stations that are active now."""
-        return self._options.unit_frames_a_second(sum(station.active for station in self.settings.stations))
-
-    def _newest(self, now: float) -> int:
-        """The number of the last frame that is measured by now; -1 before the first."""
-        if self._options.clock == "poll":
-            return self._sent
-        return (
-            -1 if self._stage.epoch is None else math.floor((now - self._stage.epoch + _SLACK) * self.frames_a_second)
-        )
-
-    def _moment(self, index: int, frame: int) -> tuple[float, int]:
-        """When in the performance a station is measured in a frame, and the frame.
-
-        Stations that share a FASTRAK's measurements are measured one after another.
-        """
-        seconds = frame / self.frames_a_second
-        shared = self._options.measurements or MODELS[self._options.kind].measurements
-        if self._options.clock == "real" and shared < math.inf:
-            seconds += sum(station.active for station in self.settings.stations[:index]) / shared
-        return seconds, frame
+        return self._rhythm.rate
 
     def _frame(self, frame: int) -> bytes:
         """The records of all active stations."""
         self.frames += 1
+        count = self._rhythm.count(frame)
+        stamp = count / self._rhythm.rate
         records: list[bytes] = []
         for index, station in enumerate(self._stations):
             settings = self.settings.stations[index]
             if not settings.active or station in self._faults.silent:
                 continue
-            sensed = self._stage.sense(station, *self._moment(index, frame))
+            sensed = self._sense(index, frame)
             rotation, position = settings.applied(sensed.rotation, sensed.position)
             status = self._faults.status(station, far=sensed.far)
-            count = self._count(frame)
-            stamp = count / self.frames_a_second
             reading = Reading(index + 1, status, tuple(position.tolist()), tuple(rotation.tolist()), count, stamp)
             records.append(self._encode(reading, self.settings.layout(index, self._options.kind)))
         return b"".join(records)
 
-    def _count(self, frame: int) -> int:
-        """The device's own number of a frame: since it was switched on, or since its counters were reset."""
-        if self._options.clock == "poll" or self._stage.epoch is None or self._zero is None:
-            return frame
-        return max(math.floor((self._stage.epoch - self._zero) * self.frames_a_second) + frame, 0)
+    def _sense(self, index: int, frame: int) -> Sensed:
+        """What the station at an index measures in a frame."""
+        before = sum(station.active for station in self.settings.stations[:index])
+        return self._stage.sense(self._stations[index], self._rhythm.seconds(frame, before), frame)
 
     def _encode(self, reading: Reading, layout: Layout) -> bytes:
         """One record, as this kind of device writes it; a Liberty's printed records are not simulated."""

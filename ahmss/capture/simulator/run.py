@@ -25,7 +25,7 @@ _SHORTEST_SLEEP = 0.002  # seconds: USB adaptors hand bytes over no oftener
 
 
 def run_simulator(options: SimulatorOptions) -> None:
-    """Be a tracker until SIGINT or SIGTERM, or until `quit` is typed.
+    """Be a tracker until SIGINT, SIGTERM or SIGHUP, or until `quit` is typed.
 
     Prints one line for each unit, `line 1: /dev/pts/4 (stations 1 to 4, 115200 baud)`, then obeys what is typed at the
     standard input: `help` lists it.
@@ -38,7 +38,7 @@ def run_simulator(options: SimulatorOptions) -> None:
     def end(_signal: int, _frame: FrameType | None) -> None:
         simulator.end()
 
-    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     typing_in_background = signal.signal(signal.SIGTTIN, signal.SIG_IGN)  # or a shell's `&` would halt it
     try:
         simulator.run(sys.stdin.fileno())

@@ -2,42 +2,42 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import IDENTITY, conjugate, from_matrix, multiply, rotate
 from ahmss.capture.formats.layout import METRES, Kind, Layout, Units
+from ahmss.capture.stations import Vector
 
-__all__ = ["Settings", "StationSettings"]
+__all__ = ["Alignment", "Settings", "StationSettings"]
 
 _FACTORY_ITEMS = (2, 4, 1)  # position, Euler angles, CR LF
 _SHORTEST = 1e-9
 
 
-def _forward() -> Array:
-    return np.array([1.0, 0.0, 0.0])
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """A frame in which a station's output is given: origin (3,) metres, rotation (4,), both in the transmitter's."""
 
-
-def _origin() -> Array:
-    return np.zeros(3)
+    origin: Array
+    rotation: Array
 
 
 @dataclass(frozen=True, eq=False)
 class StationSettings:
     """One station's.
 
-    items: the output list. hemisphere: (3,), the direction of the half space that the sensor is in. origin (3,) metres
-    and frame (4,), transmitter <- alignment frame. boresight (4,): the rotation that is sent as none.
+    items: the output list. hemisphere: towards the half of space that the sensor is in. alignment: the frame of the
+    output, None: the transmitter's. boresight (4,): the rotation, in that frame, that is sent as none.
     """
 
     active: bool = True
     items: tuple[int, ...] = _FACTORY_ITEMS
-    hemisphere: Array = field(default_factory=_forward)
-    origin: Array = field(default_factory=_origin)
-    frame: Array = field(default_factory=IDENTITY.copy)
-    boresight: Array = field(default_factory=IDENTITY.copy)
+    hemisphere: Vector = (1.0, 0.0, 0.0)
+    alignment: Alignment | None = None
+    boresight: Array | None = None
 
     def applied(self, rotation: Array, position: Array) -> tuple[Array, Array]:
         """A measurement (4,), (3,) as it is sent: on the right side, in the alignment frame, boresighted.
@@ -47,12 +47,16 @@ class StationSettings:
         """
         if position @ self.hemisphere < 0.0:
             position = -position
-        position = rotate(conjugate(self.frame), position - self.origin)
-        return multiply(multiply(conjugate(self.frame), rotation), conjugate(self.boresight)), position
+        if self.alignment is not None:
+            back = conjugate(self.alignment.rotation)
+            rotation, position = multiply(back, rotation), rotate(back, position - self.alignment.origin)
+        if self.boresight is not None:
+            rotation = multiply(rotation, conjugate(self.boresight))
+        return rotation, position
 
-    def boresighted(self, rotation: Array) -> StationSettings:
+    def boresighted(self, rotation: Array, position: Array) -> StationSettings:
         """From now on this measured rotation (4,) is sent as none, and others relative to it."""
-        return replace(self, boresight=multiply(conjugate(self.frame), rotation))
+        return replace(self, boresight=replace(self, boresight=None).applied(rotation, position)[0])
 
     def aligned(self, points: Array) -> StationSettings:
         """A new frame by three points (3, 3) in metres, in the frame so far: origin, on the x axis, on the side of y.
@@ -66,9 +70,9 @@ class StationSettings:
             raise ValueError("an alignment's three points stand in a line")
         axes = np.stack([x, np.cross(z, x), z], axis=-1)
         turn = from_matrix(axes / np.linalg.norm(axes, axis=0))
-        return replace(
-            self, origin=self.origin + rotate(self.frame, points[0]), frame=multiply(self.frame, turn)
-        )  # fmt: skip
+        before = self.alignment or Alignment(np.zeros(3), IDENTITY)
+        origin = before.origin + rotate(before.rotation, points[0])
+        return replace(self, alignment=Alignment(origin, multiply(before.rotation, turn)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +87,11 @@ class Settings:
     def factory(cls, stations: int) -> Settings:
         """As it is delivered."""
         return cls((StationSettings(),) * stations)
+
+    @property
+    def active(self) -> int:
+        """How many stations are switched on."""
+        return sum(station.active for station in self.stations)
 
     def layout(self, index: int, kind: Kind) -> Layout:
         """What a record of the station at an index holds."""
