@@ -29,6 +29,7 @@ _JITTER_TURN = 0.05
 _AGREE = 3  # so many readings in a row at another place are right: the person, or the field, did move there
 
 _LINKS = len(TRACKED)
+_NEVER = -1_000_000
 
 
 def possible(places: tuple[Array, Array], rotations: tuple[Array, Array], seconds: Array | float) -> NDArray[np.bool_]:
@@ -61,11 +62,11 @@ class Gate:
         self._period = 1.0 / rate
         self._losses = losses
         self._places, self._rotations = np.zeros((_LINKS, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (_LINKS, 1))
-        self._good = np.full(_LINKS, -2)  # number of the frame in which a row was good last; -2: never, nor just before 0
+        self._good = np.full(_LINKS, _NEVER)  # number of the frame in which a row was good last
         self._before, self._turned_before = self._places.copy(), self._rotations.copy()  # the good ones before those
         self._moving = np.zeros(_LINKS, bool)  # whether these two came in adjacent frames
         self._held_places, self._held_rotations = self._places.copy(), self._rotations.copy()
-        self._held = np.full(_LINKS, -1)  # number of the frame in which a row was held back last
+        self._held = np.full(_LINKS, _NEVER)  # number of the frame in which a row was held back last
         self._agreed = np.zeros(_LINKS, int)
         self._stamps: tuple[float, float, int] | None = None  # first stamp, last time, its frame
 
@@ -110,7 +111,7 @@ class Gate:
         moving = self._moving & (steps == 1)
         if moving.any():
             believed &= ~moving | self._follows(places, rotations)
-        believed |= self._good < 0
+        believed |= self._good == _NEVER
         doubted = seen & ~believed
         if doubted.any():
             agrees = possible(
