@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.stations import Reading
 
-__all__ = ["Assembler", "Sweep"]
+__all__ = ["Assembler", "Numbering", "Sweep"]
+
+Numbering = Literal["count", "order", "clock", "time"]
+"""Where numbers of sweeps come from: the device's own count; one after the other, a poll each; the same, with gaps
+where time went by; or the time alone, for lines that are not in step by themselves."""
 
 _WRAP = 1 << 32  # devices count in 32 bits
+_OFF = 1.2  # sweeps by which a number may differ from the time
 _BELIEVED = 3  # so many records that agree on another frame number are right
 
 
@@ -46,14 +52,14 @@ class Assembler:
     when the next one has begun in earnest: one record with a wrong count does not end it.
     """
 
-    def __init__(self, stations: Sequence[int], rate: float, losses: Losses, *, counted: bool) -> None:
+    def __init__(self, stations: Sequence[int], rate: float, losses: Losses, *, numbering: Numbering) -> None:
         """Make one for a line.
 
         Args:
             stations: the configuration's numbers of the device's stations 1, 2, ...
             rate: sweeps a second.
             losses: where they are counted.
-            counted: the device's records carry a frame count.
+            numbering: what the numbers of sweeps come from.
         """
         self._names = dict(enumerate(stations, 1))
         self._expected = len(stations)
@@ -61,13 +67,13 @@ class Assembler:
         self._window = max(8, round(0.2 * rate))
         self._patience = 2.5 / rate
         self._losses = losses
+        self._counted = numbering == "count"
+        self._clock = _SweepClock(rate, strict=numbering == "time") if numbering in ("clock", "time") else None
         self._open: dict[int, _Open] = {}
         self._done: int | None = None
         self._fresh = True
         self._strangers: list[int] = []
-        self._clock = None if counted else _SweepClock(rate)
-        self._pause = 1.5 / rate
-        self._pass = 0
+        self._pass = self._closed = 0
         self._last_station = 0
 
     def expect(self, active: Sequence[int]) -> None:
@@ -88,6 +94,12 @@ class Assembler:
                 sweeps += self._add(count, name, reading)
         return self._numbered(sweeps)
 
+    def poll(self) -> list[Sweep]:
+        """A frame was asked for: what comes now is the next sweep. Returns the one before, if it was not complete."""
+        closed = self._close(self._pass)
+        self._pass, self._last_station = self._pass + 1, 0
+        return self._numbered(closed)
+
     def flush(self, now: float) -> list[Sweep]:
         """The sweeps whose rest has not come for so long that it won't."""
         due = [
@@ -99,7 +111,7 @@ class Assembler:
 
     def _place(self, reading: Reading) -> int | None:
         """The sweep that a reading belongs to, or None where its count can't be."""
-        if reading.count is None:
+        if not self._counted or reading.count is None:
             return self._pass_of(reading)
         if self._done is None:
             self._done = reading.count - 1
@@ -125,17 +137,17 @@ class Assembler:
         return count
 
     def _pass_of(self, reading: Reading) -> int:
-        """Without a count: a pause, or a return to a station that was there or is far behind, begins the next sweep.
+        """Without a count: a return to a station that was there, or far back, begins the next sweep.
 
         Not every station behind the last one does: a damaged station character would cut the sweep in two.
         """
         current = self._open.get(self._pass)
         back = self._last_station - reading.station
-        if (
-            current is None
-            or reading.arrival - current.arrival > self._pause
-            or (back >= 0 and (2 * back > self._expected or self._names[reading.station] in current.readings))
-        ):
+        if current is None:
+            over = self._pass <= self._closed
+        else:
+            over = back >= 0 and (2 * back > self._expected or self._names[reading.station] in current.readings)
+        if over:
             self._pass += 1
         self._last_station = reading.station
         return self._pass
@@ -146,7 +158,7 @@ class Assembler:
         sweep.arrival = reading.arrival
         if len(sweep.readings) >= self._expected:
             return self._close(count)
-        return self._close(count - 1) if len(sweep.readings) >= self._earnest or reading.count is None else []
+        return self._close(count - 1) if len(sweep.readings) >= self._earnest or not self._counted else []
 
     def _close(self, last: int) -> list[Sweep]:
         """All open sweeps up to this count, in order."""
@@ -155,6 +167,7 @@ class Assembler:
             sweep = self._open.pop(count)
             closed.append(Sweep(count, sweep.readings, sweep.arrival, self._fresh))
             self._fresh = False
+            self._closed = count
             if self._done is not None:
                 self._done = count
         return closed
@@ -169,13 +182,14 @@ class Assembler:
 class _SweepClock:
     """Numbers sweeps that carry no count: one after the other, and a gap where time has gone by without any.
 
-    Arrivals are late at times, never early, so the earliest are believed: `base`, when sweep 0 would have come by
-    them. It may drift by 0.5 % of a period a sweep, as clocks differ. What comes in a burst after a stall of this
-    machine is no loss.
+    Arrivals are late at times, never early, so the earliest are believed: `base`, when sweep 0 would have come by them.
+    It may drift by 0.5 % of a period a sweep, as clocks differ. What comes in a burst after a stall of this machine is
+    no loss. A strict clock also holds back a device that is faster than it should be, for the sake of the other lines.
     """
 
-    def __init__(self, rate: float) -> None:
+    def __init__(self, rate: float, *, strict: bool) -> None:
         self._period = 1.0 / rate
+        self._strict = strict
         self._number = -1
         self._base: float | None = None
 
@@ -184,8 +198,11 @@ class _SweepClock:
         last = self._number + count
         base = arrival - last * self._period if self._base is None else self._base
         behind = (arrival - base) / self._period - last
-        lost = round(behind) if behind > 1.2 else 0
-        last += lost
-        self._base = min(base + 0.005 * self._period * (count + lost), arrival - last * self._period)
+        if behind > _OFF or (self._strict and behind < -_OFF):
+            last = max(last + round(behind), self._number)
+        creep = 0.005 * self._period * max(count, last - self._number)
+        earliest = arrival - last * self._period
+        lowest = base - creep if self._strict else earliest
+        self._base = min(base + creep, max(earliest, lowest))
         self._number = last
         return last - count + 1

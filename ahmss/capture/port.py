@@ -9,14 +9,14 @@ from collections.abc import Callable
 import serial
 
 from ahmss.capture import setup
-from ahmss.capture.assembly import Assembler, Sweep
+from ahmss.capture.assembly import Assembler, Numbering, Sweep
 from ahmss.capture.config import LineConfig, TrackerConfig
 from ahmss.capture.formats import fastrak_ascii, fastrak_binary, liberty
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.formats.parser import Parser
 from ahmss.capture.trouble import Heard, of_error, of_silence
 
-__all__ = ["Port", "open_port", "parser_of"]
+__all__ = ["Port", "numbering_of", "open_port", "parser_of"]
 
 _READ_TIMEOUT = 0.02
 _GATHER = 0.001  # seconds to let the bytes of a frame gather: a read for each of them would cost a core
@@ -46,6 +46,15 @@ def parser_of(config: TrackerConfig, line: LineConfig) -> Parser:
     if config.kind == "fastrak":
         return (fastrak_binary if config.format == "binary" else fastrak_ascii).parser(layout)
     return liberty.parser(layout)
+
+
+def numbering_of(config: TrackerConfig) -> Numbering:
+    """Polls are numbered by themselves (a Liberty counts on between them); lines without a count by the time."""
+    if config.mode == "poll":
+        return "order"
+    if 9 in config.layout().items:
+        return "count"
+    return "clock" if len(config.line) == 1 else "time"
 
 
 class Port:
@@ -102,9 +111,7 @@ class Port:
         """
         parser = parser_of(self._config, self._line)
         parser.losses = self.losses
-        assembler = Assembler(
-            self._line.stations, self._config.rate, self.losses, counted=9 in self._config.layout().items
-        )
+        assembler = Assembler(self._line.stations, self._config.rate, self.losses, numbering=numbering_of(self._config))
         answers = setup.ask(port, self._config, self._line)
         self.heard = Heard(time.monotonic(), answers.heard, answers.status is not None, answers.stations)
         if answers.stations:
@@ -132,6 +139,7 @@ class Port:
         period = 1.0 / self._config.rate
         due = time.monotonic()
         while not self._stopping.is_set():
+            self._hand_on(assembler.poll())
             port.write(setup.begin(self._config))
             end = time.monotonic() + max(0.25, 2.0 * period)
             while not self._take(port, parser, assembler) and time.monotonic() < end and not self._stopping.is_set():
@@ -155,6 +163,9 @@ class Port:
             heard.records += len(readings)
             heard.last_record = now
         sweeps = assembler.feed(readings) + assembler.flush(now)
+        self._hand_on(sweeps)
+        return len(sweeps)
+
+    def _hand_on(self, sweeps: list[Sweep]) -> None:
         for sweep in sweeps:
             self._give(sweep)
-        return len(sweeps)

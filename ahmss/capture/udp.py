@@ -23,7 +23,7 @@ _NEAR = 3  # frames by which a number may be off
 
 
 class Numbers:
-    """Tells datagrams of a tracker that goes on from damaged ones, and from those of a tracker that was started again."""
+    """Tells a tracker that goes on from damaged numbers, and from one that was started again."""
 
     def __init__(self, rate: float) -> None:
         """Args: frames a second."""
@@ -34,7 +34,7 @@ class Numbers:
     def judge(self, number: int, now: float) -> bool | None:
         """True: the numbers begin anew here; False: they go on; None: this one belongs to nothing.
 
-        A number goes on when it is near the latest, or as far ahead as time has gone by; else when the next confirms it.
+        A number goes on when it is near the latest, or as far ahead as time has gone by; else when the next agrees.
         """
         if self._latest is None:
             self._latest = (number, now)
@@ -83,12 +83,12 @@ class UdpPort:
             return ""
         where = f"UDP {udp.address}:{udp.port}"
         if heard.records:
-            return f"{where}: silent for {now - heard.last_record:.0f} s; look at the tracker's power and cable"
+            return f"{where}: silent for {now - heard.last_record:.0f} s; look at its power and its cable"
         if self.losses.foreign:
             return f"{where}: {self.losses.foreign} datagrams came, none of an ULTRATRAK; is this the right port?"
         return (
-            f"{where}: nothing comes; does the tracker's PC send to this machine and port, and does the firewall let it "
-            f"in?{' It hears this machine alone.' if udp.address.startswith('127.') else ''}"
+            f"{where}: nothing comes; does the tracker's PC send to this machine and port, and does the firewall let "
+            f"it in?{' It hears this machine alone.' if udp.address.startswith('127.') else ''}"
         )
 
     def _run(self) -> None:

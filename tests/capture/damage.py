@@ -154,8 +154,8 @@ class Chain:
         self.parser = form.parser(form.layout) if form.parser else None
         if self.parser:
             self.parser.losses = self.losses
-        counted = 9 in form.layout.items
-        self.assembler = Assembler(range(1, LINKS + 1), RATE, self.losses, counted=counted)
+        numbering = "count" if 9 in form.layout.items else "clock"
+        self.assembler = Assembler(range(1, LINKS + 1), RATE, self.losses, numbering=numbering)
         self.merger = Merger(1, RATE, self.losses, ordered=form.parser is not None)
         self.gate = Gate({station: station - 1 for station in range(1, LINKS + 1)}, RATE, self.losses)
         self.numbers = Numbers(RATE)
