@@ -18,12 +18,13 @@ from ahmss.motion.grounding import ground
 from ahmss.motion.markers import body_of_markers
 from ahmss.motion.naming import parts_of
 from ahmss.motion.refining import refined
-from ahmss.motion.retarget import leg_length, retarget
+from ahmss.motion.retarget import arm_length, leg_length, own_arm_length, own_leg_length, retarget
 from ahmss.motion.source import SourceMotion
 from ahmss.motion.units import UNITS, guess_unit
 
 __all__ = ["import_clip", "read_body", "read_source"]
 
+_NAMED = 4  # joints that a report names
 _GUESSED = 0.1  # importance of fingers that nobody recorded
 
 
@@ -33,7 +34,7 @@ def import_clip(
     """The motion in a file, on a human.
 
     Args:
-        path: a BVH file.
+        path: a BVH, AMC (its ASF beside it) or C3D file.
         skeleton: the human who shall perform it.
         rate: frames a second of the clip; None keeps the file's.
         unit: of length in the file, one of `units.UNITS`; None guesses it from the stature.
@@ -49,11 +50,12 @@ def import_clip(
     if rate is not None and abs(rate - body.rate) > 1e-6:
         report.append(f"{body.rate:g} frames a second became {rate:g}")
         body = body.at_rate(rate)
+    report.append(_lengths(body, skeleton))
     rotations, root = retarget(body, skeleton)
     grounded = ground(skeleton, rotations, root, body.rate)
     importance = np.ones((body.frames, len(LINKS) + 1))
     importance[:, 15:-1] = _GUESSED
-    report.append("its fingers are not in the file: relaxed")
+    report.append("fingers are relaxed")
     clip = Clip(
         rotations=grounded.rotations,
         root=grounded.root,
@@ -63,6 +65,12 @@ def import_clip(
         header=ClipHeader(origin=path.name, human=skeleton.name),
     )
     return clip, report
+
+
+def _lengths(body: BodyMotion, skeleton: Skeleton) -> str:
+    leg, arm = (100.0 * length(body) for length in (leg_length, arm_length))
+    own_leg, own_arm = (100.0 * length(skeleton) for length in (own_leg_length, own_arm_length))
+    return f"legs of {leg:.0f} cm became {own_leg:.0f} cm, arms of {arm:.0f} cm {own_arm:.0f} cm"
 
 
 def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str]]:
@@ -80,8 +88,14 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
         return refined(body), [f"C3D, {body.frames} frames of {len(markers.names)} markers", *report]
     source = read_source(path)
     parts = parts_of(source)
-    body, said = align(source, parts, 1.0)
     report = [f"{source.format}, {source.frames} frames, names as in {parts.family} files"]
+    if parts.unknown:
+        more = ", ..." if len(parts.unknown) > _NAMED else ""
+        report.append(f"{len(parts.unknown)} joints play no part: {', '.join(parts.unknown[:_NAMED])}{more}")
+    if source.starts_in_zero_pose():
+        report.append("frame 0 is the zero pose, not the motion's: left out")
+        source = source.since(1)
+    body, said = align(source, parts, 1.0)
     name, metres, stature = guess_unit(leg_length(body))
     if unit is not None:
         name, metres = unit, UNITS[unit]
@@ -94,7 +108,11 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
 
 
 def read_source(path: Path) -> SourceMotion:
-    """The file's joints, by what its name ends in."""
+    """The joints in a file and what they do, by what its name ends in.
+
+    Raises:
+        DataError: the file is damaged, or of a kind that has no joints.
+    """
     readers = {".bvh": read_bvh, ".amc": read_amc}
     ending = path.suffix.lower()
     if ending == ".asf":

@@ -52,7 +52,7 @@ class Parts:
 
     spine: from above the hips up to the joint below the neck, at least one; chest: the one that bears the arms; neck:
     the first joint above the chest. limbs: by "right_upper_arm" and the like; "right_toe" and "right_palm" only where
-    the file has them. tips: what a limb's last joint points to. unknown: names of joints that play no part.
+    the file has them. tips: what a limb's last joint points to. unknown: names of joints that play no part, fingers among them.
     """
 
     hips: int
@@ -103,6 +103,7 @@ def _with_trunk(source: SourceMotion, hips: int, head: int, limbs: dict[str, int
     spine = tuple(reversed(up[up.index(chest) : up.index(hips)]))
     tips = {name: tip for name, joint in limbs.items() if (tip := _tip(source, joint, limbs)) >= 0}
     used = {hips, head, neck, *spine, *limbs.values(), *tips.values()}
+    used |= {joint for part in list(used) for joint in _ancestors(source.parents, part)}
     unknown = tuple(name for i, name in enumerate(source.names) if i not in used and not name.endswith("_end"))
     return Parts(hips, spine, chest, neck, head, limbs, tips, _family(source.names), unknown)
 

@@ -18,14 +18,16 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.motion.alignment import TRACKED, BodyMotion
 from ahmss.motion.refining import standing
 
-__all__ = ["hand_places", "retarget"]
+__all__ = ["arm_length", "hand_places", "leg_length", "own_arm_length", "own_leg_length", "retarget"]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_BEYOND = 0.01  # metres that a hand may be beyond reach; the arm then only points at it
+_STRAIGHT, _CORNER = 0.99, 0.006  # share of the arm's length; metres over which it is approached
+_BEYOND = 0.004  # metres that a hand may be beyond reach; the arm then only points at it
 _MOST_SHIFT, _STEPS = 0.03, 60  # metres by which shoulders may be shifted for that
 _SOFT = 0.03  # metres over which the scale across the body changes at the shoulder
 _FEET = [INDEX["right_foot"], INDEX["left_foot"]]
 _HANDS = [INDEX["right_hand"], INDEX["left_hand"]]
+_LEGS = [INDEX["right_upper_leg"], INDEX["left_upper_leg"]]
 _SHOULDERS = [INDEX["right_upper_arm"], INDEX["left_upper_arm"]]
 _SPINE, _HEAD = INDEX["spine"], INDEX["head"]
 
@@ -64,13 +66,13 @@ def _joint_rotations(body: BodyMotion, skeleton: Skeleton) -> Array:
 
 def _hips_and_ankles(body: BodyMotion, skeleton: Skeleton) -> tuple[Array, Array]:
     """The hips' way (F, 3) and the ankles' (F, 2, 3) in the human's leg lengths, standing feet on the floor."""
-    lower = INDEX["right_lower_leg"]
-    own = float(np.linalg.norm(skeleton.offsets[[lower, lower + 1]], axis=-1).sum())
-    scale = own / leg_length(body)
+    scale = own_leg_length(skeleton) / leg_length(body)
     ankle = -float(skeleton.soles[:, 2].min())
     floor = np.array([0.0, 0.0, standing_height(body)])
     root = scale * (body.places[:, 0] - floor) + ankle * _UP
-    return root, scale * (body.places[:, _FEET] - floor) + ankle * _UP
+    # From hip joint to ankle, so that a straight leg is straight on a pelvis of another width too.
+    joints = root[:, None] + rotate(body.rotations[:, None, 0], skeleton.offsets[_LEGS])
+    return root, joints + scale * (body.places[:, _FEET] - body.places[:, _LEGS])
 
 
 def leg_length(body: BodyMotion) -> float:
@@ -81,6 +83,20 @@ def leg_length(body: BodyMotion) -> float:
 def arm_length(body: BodyMotion) -> float:
     """From shoulder to wrist along the bones, metres."""
     return _chain_length(body, "upper_arm", "lower_arm", "hand")
+
+
+def own_leg_length(skeleton: Skeleton) -> float:
+    """A human's thigh and shank together, metres."""
+    return _own_length(skeleton, "right_lower_leg", "right_foot")
+
+
+def own_arm_length(skeleton: Skeleton) -> float:
+    """A human's length from shoulder to wrist along the bones, metres."""
+    return _own_length(skeleton, "right_lower_arm", "right_hand")
+
+
+def _own_length(skeleton: Skeleton, *links: str) -> float:
+    return float(np.linalg.norm(skeleton.offsets[[INDEX[link] for link in links]], axis=-1).sum())
 
 
 def _chain_length(body: BodyMotion, *links: str) -> float:
@@ -104,15 +120,31 @@ def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Ar
     hands = rotate(trunk, body.places[:, _HANDS] - neck)
     shoulders = _pivots(body, hands, np.median(rotate(trunk, body.places[:, _SHOULDERS] - neck), axis=0))
     hands = hands - shoulders
-    lower = INDEX["right_lower_arm"]
-    own = float(np.linalg.norm(skeleton.offsets[[lower, lower + 1]], axis=-1).sum())
+    own = own_arm_length(skeleton)
     scale = own / arm_length(body)
     half, own_half = float(np.ptp(shoulders[:, 1])) / 2.0, float(np.ptp(skeleton.offsets[_SHOULDERS, 1])) / 2.0
     outward = np.array([-1.0, 1.0])
     placed = scale * hands
     placed[..., 1] = outward * _across(outward * hands[..., 1], own_half / half, scale)
     places, world = forward(rotations, root, skeleton.offsets)
+    placed *= _within_reach(placed, np.linalg.norm(places[:, _HANDS] - places[:, _SHOULDERS], axis=-1), own)[..., None]
     return places[:, _SHOULDERS] + rotate(world[:, None, _SPINE], placed)
+
+
+def _within_reach(placed: Array, given: Array, reach: float) -> Array:
+    """What hands (F, 2, 3) from the shoulder are to be scaled by (F, 2), so that no elbow snaps straight.
+
+    An elbow gets no straighter than the performer's own, which leaves the hand `given` (F, 2) metres away, or than is
+    usual; on the way there it slows down.
+    """
+    far = np.linalg.norm(placed, axis=-1)
+    farthest = np.maximum(given, _STRAIGHT * reach)
+    return (far - _softly_over(far - farthest)) / np.maximum(far, 1e-9)
+
+
+def _softly_over(over: Array) -> Array:
+    """What is over nought, without a corner."""
+    return 0.5 * (over + np.sqrt(over * over + _CORNER * _CORNER))
 
 
 def _pivots(body: BodyMotion, hands: Array, usual: Array) -> Array:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.quaternion import IDENTITY, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, multiply, rotate, to_rotation_vector
 
 __all__ = ["SourceMotion"]
+
+_ZERO, _AWAY = 0.01, 15.0  # degrees of any joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,17 @@ class SourceMotion:
     def world(self) -> tuple[Array, Array]:
         """Places (F, J, 3) and rotations (F, J, 4), world <- joint, of all joints."""
         return _chain(self.parents, self.rotations, self.translations)
+
+    def since(self, frame: int) -> SourceMotion:
+        """The motion from a frame on."""
+        return replace(self, rotations=self.rotations[frame:], translations=self.translations[frame:])
+
+    def starts_in_zero_pose(self) -> bool:
+        """Whether frame 0 is the zero pose and frame 1 far from it: a calibration, as CMU's BVH files begin with."""
+        if self.frames < 2:
+            return False
+        turned = np.degrees(np.linalg.norm(to_rotation_vector(self.rotations[:2]), axis=-1))
+        return bool(turned[0].max() < _ZERO and turned[1].max() > _AWAY)
 
     def zero_pose(self) -> Array:
         """Places (J, 3) of the joints when every rotation is zero, the root at the origin."""
