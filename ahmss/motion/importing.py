@@ -92,8 +92,8 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     if parts.unknown:
         more = ", ..." if len(parts.unknown) > _NAMED else ""
         report.append(f"{len(parts.unknown)} joints play no part: {', '.join(parts.unknown[:_NAMED])}{more}")
-    if source.starts_in_zero_pose():
-        report.append("frame 0 is the zero pose, not the motion's: left out")
+    if source.begins_apart():
+        report.append("frame 0 is a pose by itself, not the motion's: left out")
         source = source.since(1)
     body, said = align(source, parts, 1.0)
     name, metres, stature = guess_unit(leg_length(body))

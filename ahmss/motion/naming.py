@@ -52,7 +52,8 @@ class Parts:
 
     spine: from above the hips up to the joint below the neck, at least one; chest: the one that bears the arms; neck:
     the first joint above the chest. limbs: by "right_upper_arm" and the like; "right_toe" and "right_palm" only where
-    the file has them. tips: what a limb's last joint points to. unknown: names of joints that play no part, fingers among them.
+    the file has them. tips: what a limb's last joint points to. unknown: names of joints that play no part, such as
+    fingers.
     """
 
     hips: int

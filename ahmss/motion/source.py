@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.quaternion import IDENTITY, multiply, rotate, to_rotation_vector
+from ahmss.body.quaternion import IDENTITY, conjugate, multiply, rotate, to_rotation_vector
 
 __all__ = ["SourceMotion"]
 
-_ZERO, _AWAY = 0.01, 15.0  # degrees of any joint
+_AWAY, _SEVERAL = 15.0, 4  # degrees of a step; joints that make it
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +46,13 @@ class SourceMotion:
         """The motion from a frame on."""
         return replace(self, rotations=self.rotations[frame:], translations=self.translations[frame:])
 
-    def starts_in_zero_pose(self) -> bool:
-        """Whether frame 0 is the zero pose and frame 1 far from it: a calibration, as CMU's BVH files begin with."""
-        if self.frames < 2:
+    def begins_apart(self) -> bool:
+        """Whether frame 0 is a pose by itself, far from a frame 1 that goes on smoothly, as CMU's BVH files begin."""
+        if self.frames < 3:
             return False
-        turned = np.degrees(np.linalg.norm(to_rotation_vector(self.rotations[:2]), axis=-1))
-        return bool(turned[0].max() < _ZERO and turned[1].max() > _AWAY)
+        steps = multiply(conjugate(self.rotations[:2]), self.rotations[1:3])
+        turned = np.degrees(np.linalg.norm(to_rotation_vector(steps), axis=-1))
+        return bool((turned[0] > _AWAY).sum() >= _SEVERAL and turned[1].max() < 0.25 * _AWAY)
 
     def zero_pose(self) -> Array:
         """Places (J, 3) of the joints when every rotation is zero, the root at the origin."""
