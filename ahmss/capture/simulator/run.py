@@ -38,7 +38,10 @@ def run_simulator(options: SimulatorOptions) -> None:
     def end(_signal: int, _frame: FrameType | None) -> None:
         simulator.end()
 
-    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    ends = [signal.SIGINT, signal.SIGTERM]
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # nohup
+        ends.append(signal.SIGHUP)
+    before = {number: signal.signal(number, end) for number in ends}
     typing_in_background = signal.signal(signal.SIGTTIN, signal.SIG_IGN)  # or a shell's `&` would halt it
     try:
         simulator.run(sys.stdin.fileno())
