@@ -1,0 +1,92 @@
+"""A tracker drives a human of the world."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
+from ahmss.capture.config import TrackerConfig
+from ahmss.capture.live import Latency, Performer, Puppet
+from ahmss.capture.stations import Status, TrackerFrame
+from ahmss.database.workspace import Workspace
+from ahmss.world.client import WorldClient
+from ahmss.world.process import ServerProcess
+from tests.capture.stage import AHMSS, ROOT, simulated
+from tests.capture.taken import SUBJECT, degrees_between, performed, take_of
+
+
+@pytest.fixture(scope="module")
+def ken():
+    return Workspace.find(ROOT).humans.get("ken")
+
+
+def frames_of(take) -> list[TrackerFrame]:
+    rows = zip(take.times, take.rotations, take.positions, take.status, strict=True)
+    return [TrackerFrame(k, float(t), q, p, s, float(t)) for k, (t, q, p, s) in enumerate(rows)]
+
+
+def test_it_waits_for_the_upright_pose_and_then_does_what_the_subject_does(ken):
+    performance = performed("lift")
+    take, _ = take_of(performance)
+    performer = Performer(SUBJECT, TrackerConfig(), Puppet("ken", ken, (2.0, 1.0), np.radians(90.0)))
+    poses = [performer.step(frame) for frame in frames_of(take)]
+    first = next(k for k, pose in enumerate(poses) if pose is not None)
+    assert first == 59  # a second of standing still
+    rotations, root = poses[first]
+    np.testing.assert_allclose(root[:2], [2.0, 1.0], atol=0.01)
+    np.testing.assert_allclose(rotate(rotations[0], np.array([0.0, 0.0, -1.0])), [0.0, 1.0, 0.0], atol=1e-6)
+    spine = INDEX["spine"]
+    found = np.array([pose[0][spine] for pose in poses[first:]])
+    assert degrees_between(found, performance.rotations[first:, spine]).max() < 0.01
+    drop = [root[2] - pose[1][2] for pose in poses[first:]]
+    meant = performance.root[first, 2] - performance.root[first:, 2]
+    np.testing.assert_allclose(drop, meant, atol=0.03)
+    feet = [forward(*pose, SUBJECT.offsets)[0][[INDEX["right_foot"], INDEX["left_foot"]]] for pose in poses[first:]]
+    assert np.ptp(feet, axis=0).max() < 0.05  # lifting, one stays where one is
+
+
+def test_who_moves_or_is_not_seen_whole_does_not_calibrate_it(ken):
+    take, _ = take_of(performed("lift"))
+    performer = Performer(SUBJECT, TrackerConfig(), Puppet("ken", ken))
+    moving = frames_of(take)[150:]
+    assert all(performer.step(frame) is None for frame in moving[:120])
+    take.status[:, 3] = Status.MISSING
+    assert all(performer.step(frame) is None for frame in frames_of(take)[:100])
+
+
+def test_latency_in_milliseconds():
+    assert Latency.of([]) == Latency(0, 0.0, 0.0)
+    found = Latency.of([0.001] * 98 + [0.1] * 2)
+    assert (found.frames, found.p50) == (100, 1.0)
+    assert found.p99 > 50.0
+
+
+def test_the_tracker_drives_a_human_of_the_world(tmp_path):
+    server = ServerProcess(log=tmp_path / "server.log")
+    words = ["--human", "aiko", "--at", "1.0", "0.5", "--seconds", "5", "--json", "--workspace", str(ROOT)]
+    try:
+        with simulated(tmp_path, "lift", "--upright", "1.2") as config, WorldClient(str(server.address)) as client:
+            live = subprocess.Popen(
+                [*AHMSS, "capture", "live", str(config), *words, "--server", str(server.address)],
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            )  # fmt: skip
+            heights: list[float] = []
+            while live.poll() is None:
+                heights += client.refresh().human_poses[:, 2].tolist()
+                time.sleep(0.05)
+            out, said = live.communicate()
+            left = client.refresh().human_poses
+    finally:
+        server.stop()
+    assert live.returncode == 0, said
+    assert "calibrated: move" in said
+    assert json.loads(out)["byte_to_server_ms"]["frames"] > 100
+    assert max(heights) - min(heights) > 0.2  # it bent to lift
+    assert len(left) == 0
