@@ -38,9 +38,8 @@ class Sweep:
 
 @dataclass
 class _Open:
-    """A sweep that is still coming in; `began` is when its first reading came."""
+    """A sweep that is still coming in; `arrival` is when its latest reading came."""
 
-    began: float
     readings: dict[int, Reading] = field(default_factory=dict[int, Reading])
     arrival: float = 0.0
 
@@ -105,7 +104,7 @@ class Assembler:
         due = [
             count
             for count, sweep in self._open.items()
-            if now - sweep.began > self._patience and len(sweep.readings) >= self._earnest
+            if now - sweep.arrival > self._patience and len(sweep.readings) >= self._earnest
         ]
         return self._numbered(self._close(max(due))) if due else []
 
@@ -121,8 +120,8 @@ class Assembler:
             return self._done + ahead
         if ahead == 0 or ahead > _WRAP - self._window:
             self._losses.late += 1
-        else:
-            self._losses.miscounted += 1
+            return None
+        self._losses.miscounted += 1
         return self._recount(reading.count)
 
     def _recount(self, count: int) -> int | None:
@@ -153,7 +152,7 @@ class Assembler:
         return self._pass
 
     def _add(self, count: int, name: int, reading: Reading) -> list[Sweep]:
-        sweep = self._open.setdefault(count, _Open(reading.arrival))
+        sweep = self._open.setdefault(count, _Open())
         sweep.readings[name] = reading
         sweep.arrival = reading.arrival
         if len(sweep.readings) >= self._expected:
