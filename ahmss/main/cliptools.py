@@ -52,10 +52,17 @@ class Output(msgspec.Struct, frozen=True):
 
 
 def cut_file(path: Path, begin: float, end: float | None, output: Output) -> None:
-    """Write the part of a clip from one second to another, both with."""
+    """Write the part of a clip from one second to another, both with.
+
+    Raises:
+        CommandError: the clip does not go that far.
+    """
     clip = load(path)
-    last = clip.frames - 1 if end is None else round(end * clip.rate)
-    _changed(path, output.beside(path, "cut"), lambda: cut(clip, round(begin * clip.rate), last))
+    first, last = round(begin * clip.rate), clip.frames - 1 if end is None else round(end * clip.rate)
+    if clip.header.times is None and not 0 <= first <= last < clip.frames:
+        asked = f"seconds {begin:g} to {clip.duration if end is None else end:g}"
+        raise CommandError(f"{path}: {asked} are not in the clip, which goes from 0 to {clip.duration:g}")
+    _changed(path, output.beside(path, "cut"), lambda: cut(clip, first, last))
 
 
 def mirror_file(path: Path, output: Output) -> None:

@@ -116,7 +116,8 @@ def _performed(reader: Reader, human: str) -> Held:
     """What a human of a recording did, on the floor of the world."""
     rotations, root, skeleton = motion_of(reader, human)
     record = next(r for tick in range(len(reader)) for r in reader.scene(tick).humans if r.name == human)
-    texture = reader.asset(record.texture) if record.texture else None
+    kept = {name: reader.asset(name) for name in (record.shape, record.texture) if name in reader.assets}
+    look = Look(kept[record.shape], kept.get(record.texture)) if record.shape in kept else None
     clip = Clip(
         rotations=rotations,
         root=root,
@@ -125,4 +126,4 @@ def _performed(reader: Reader, human: str) -> Held:
         rate=reader.rate,
         header=ClipHeader(origin=f"{human} in {reader.path.name}", human=skeleton.name),
     )
-    return Held(clip, skeleton, Look(reader.asset(record.shape), texture), declared=False)
+    return Held(clip, skeleton, look, declared=False)

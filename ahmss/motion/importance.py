@@ -1,7 +1,7 @@
 """How much each joint of a motion matters, derived from the motion itself.
 
 Importance decides whose rotation a joint takes where motions are fused (Ichiguchi 2000, eq. 4.11). The thesis sets it
-by hand; here it follows from what a joint does and from what it carries:
+by hand; here it follows from how far a joint moves what it carries:
 
     s = rho sqrt(theta^2 + (tau omega)^2),    importance = s^2 / (s^2 + s_0^2)
 
