@@ -239,6 +239,8 @@ def test_damage_hits_the_share_of_bytes_that_it_should_and_the_same_ones_again(n
     data = bytes(range(256)) * 400
     one, again, other = (Damage(Faults(**{name: share}), seed)(data) for seed in (1, 1, 2))
     assert one == again != other
+    piecewise = Damage(Faults(**{name: share}), 1)
+    assert b"".join(piecewise(data[at : at + 77]) for at in range(0, len(data), 77)) == one
     if name == "flip":
         changed = [(a ^ b) for a, b in zip(one, data, strict=True) if a != b]
         assert all(bits.bit_count() == 1 for bits in changed)
@@ -251,3 +253,11 @@ def test_damage_hits_the_share_of_bytes_that_it_should_and_the_same_ones_again(n
 def test_without_faults_bytes_pass_as_they_are():
     assert Damage(Faults(), 1)(b"abc") == b"abc"
     assert Damage(Faults(flip=1.0), 1)(b"") == b""
+
+
+def test_a_datagram_is_lost_whole_or_comes_whole():
+    damage = Damage(Faults(drop=0.3, double=0.5, flip=0.01), 2)
+    came = [damage.whole(bytes(500)) for _ in range(1000)]
+    assert {len(datagram) for datagram in came} == {0, 500}
+    assert came.count(b"") == pytest.approx(300, abs=50)
+    assert sum(byte != 0 for datagram in came for byte in datagram) == pytest.approx(700 * 500 * 0.01, rel=0.1)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 __all__ = ["Damage", "Faults"]
 
@@ -44,33 +43,32 @@ class Faults:
 
 
 class Damage:
-    """Damage to the bytes of one line, the same at each run with the same seed."""
+    """Damage to the bytes of one line: the same bytes at each run with the same seed, however they are cut up."""
 
     def __init__(self, faults: Faults, seed: int) -> None:
+        """Args: what is wrong now; the seed of one line."""
         self._faults = faults
-        self._random = np.random.default_rng(seed)
+        self._random = np.random.default_rng([seed, 4])
+        self._babble = np.random.default_rng([seed, 5])
 
     def __call__(self, data: bytes) -> bytes:
         """The bytes as they arrive."""
         faults = self._faults
         if not data or not (faults.drop or faults.double or faults.flip):
             return data
-        values = self._flipped(np.frombuffer(data, np.uint8))
-        lost, again = self._random.random((2, len(values)))
-        times = np.where(lost < faults.drop, 0, np.where(again < faults.double, 2, 1))
-        return np.repeat(values, times).tobytes()
-
-    def _flipped(self, values: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """One bit turned in as many bytes as the faults say."""
-        bits = np.left_shift(1, self._random.integers(0, 8, len(values))).astype(np.uint8)
-        return values ^ np.where(self._random.random(len(values)) < self._faults.flip, bits, 0).astype(np.uint8)
+        lost, again, turned, which = self._random.random((len(data), 4)).T
+        values = np.frombuffer(data, np.uint8)
+        bits = np.left_shift(1, (8.0 * which).astype(np.uint8))
+        values = values ^ np.where(turned < faults.flip, bits, 0).astype(np.uint8)
+        return np.repeat(values, np.where(lost < faults.drop, 0, np.where(again < faults.double, 2, 1))).tobytes()
 
     def whole(self, datagram: bytes) -> bytes:
         """A datagram as it arrives: empty where it got lost, else whole, its bits as they may be."""
-        if self._faults.drop and self._random.random() < self._faults.drop:
+        faults = self._faults
+        if faults.drop and self._random.random() < faults.drop:
             return b""
-        return self._flipped(np.frombuffer(datagram, np.uint8)).tobytes() if self._faults.flip else datagram
+        return Damage(Faults(flip=faults.flip), int(self._random.integers(2**31)))(datagram)
 
     def noise(self, count: int) -> bytes:
         """Bytes that mean nothing, as at a wrong baud rate."""
-        return self._random.integers(0, 256, count, np.uint8).tobytes()
+        return self._babble.integers(0, 256, count, np.uint8).tobytes()
