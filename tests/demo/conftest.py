@@ -15,8 +15,13 @@ CUP, DOOR = "room/cup", "room/doorway/door"
 
 
 @pytest.fixture(scope="session")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("demo") / "table.rec"
     report = play_script(ROOT / "examples" / "table.txt", PlaySetup(workspace=str(ROOT), fast=True, record=path))
     assert report.failures == 0
-    return Recorded.read(path, "ken", (CUP, DOOR))
+    return path
+
+
+@pytest.fixture(scope="session")
+def demo(recording: Path) -> Recorded:
+    return Recorded.read(recording, "ken", (CUP, DOOR))

@@ -12,9 +12,10 @@ from ahmss.body.links import INDEX, LINKS
 from ahmss_viewer.camera import View, project
 from ahmss_viewer.stage import Actor, Stage, Thing
 
-__all__ = ["Follower", "Interest", "fit", "interest", "shape_of"]
+__all__ = ["Follower", "Interest", "fit", "inner_points", "interest", "shape_of"]
 
 _REACH, _LARGE = 0.75, 1.8  # what is so near to a hand counts, unless it is so large
+_TOUCHED_WEIGHT = 3.0  # of an object that is acted on: as much as a face and two hands, or it goes out of sight
 _HANDS = (INDEX["right_hand"], INDEX["left_hand"])
 
 
@@ -50,15 +51,15 @@ def interest(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Int
     for thing in stage.things.values():
         centre = thing.centre()
         if thing.id in touched:
-            points.append(_inner(thing))
-            weights.append(np.full(len(points[-1]), 1.0 / len(points[-1])))
+            points.append(inner_points(thing))
+            weights.append(np.full(len(points[-1]), _TOUCHED_WEIGHT / len(points[-1])))
         elif float(np.ptp(thing.box, axis=0).max()) < _LARGE and np.linalg.norm(hands - centre, axis=1).min() < _REACH:
             points.append(centre[None])
             weights.append(np.full(1, 0.5))
     return Interest(np.concatenate(points), np.concatenate(weights), actors[0].facing)
 
 
-def _inner(thing: Thing) -> Array:
+def inner_points(thing: Thing) -> Array:
     """Points (9, 3) that stand for an object: its box's middle and, not quite in its corners, eight more."""
     middle, half = thing.box.mean(axis=0), 0.35 * np.ptp(thing.box, axis=0)
     sides = np.array([[0, 0, 0], *([x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))])
