@@ -79,12 +79,7 @@ def examine(path: Path, *, as_json: bool) -> bool:
     """Say what is the matter with a tracker; whether anything is."""
     from ahmss.capture.doctor import examine_tracker
 
-    findings = examine_tracker(load(path))
-    if as_json:
-        print(json.dumps(findings))
-    for finding in [] if as_json else findings:
-        print(finding)
-    return bool(findings)
+    return examine_tracker(load(path), as_json=as_json) > 0
 
 
 def record_clip(
