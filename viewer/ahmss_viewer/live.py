@@ -95,10 +95,11 @@ class _Watch:
             shown = -1.0  # when the first world was there that holds something
             while not self.stop.asked and not self._over(begin):
                 fresh = self.source.wait(0.02 if movie is not None else 0.1)
+                taken = time.monotonic()
                 if fresh or (picture is not None and self.source.silent):
                     picture = self._draw(fresh=fresh)
                 if shown < 0.0 and (self.studio.stage.actors or self.studio.stage.things):
-                    shown = time.monotonic()
+                    shown = taken
                 if picture is not None and movie is not None and shown >= 0.0:
                     self._film(movie, picture, time.monotonic() - shown)
                 if picture is not None and self._snapshot(time.monotonic() - begin):
