@@ -5,7 +5,9 @@ Everything is in the stance frame: origin between the ankles on the floor, x ahe
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,7 @@ __all__ = [
 ]  # fmt: skip
 
 _BALANCED = 1e-5  # metres
+_GAIN = 1.25  # the weight follows the hips by a fifth less: feet and held hands stay
 _SIDES = (("right", 1.0), ("left", -1.0))  # side and the sign of a turn about the links' x and z axes
 
 
@@ -137,7 +140,9 @@ def pose(skeleton: Skeleton, posture: Posture) -> tuple[Array, Array]:
 def _turned(rotations: Array, link: str, *turns: tuple[int, float]) -> None:
     """Turn a link in place about its own axes (0 x, 1 y, 2 z), degrees, one after the other."""
     for axis, degrees in turns:
-        turn = from_axis_angle(np.eye(3)[axis], np.radians(degrees))
+        half = 0.5 * math.radians(degrees)
+        turn = np.array([math.cos(half), 0.0, 0.0, 0.0])
+        turn[1 + axis] = math.sin(half)
         rotations[INDEX[link]] = multiply(rotations[INDEX[link]], turn)
 
 
@@ -175,7 +180,7 @@ def _balance(skeleton: Skeleton, rotations: Array, root: Array, posture: Posture
         error = wanted - centre_of_mass(skeleton, solved, root)[:2]
         if np.abs(error).max() < _BALANCED:
             return solved, root
-        root = root + np.array([*error, 0.0])
+        root = root + _GAIN * np.array([*error, 0.0])
     return _solved(skeleton, rotations, root, posture), root
 
 
@@ -212,6 +217,7 @@ def _swivel(skeleton: Skeleton, rotations: Array, root: Array, side: str, angle:
     rotations[shoulder] = multiply(local, rotations[shoulder])
 
 
+@lru_cache(maxsize=64)
 def foot_frames(skeleton: Skeleton, stance: Stance) -> Array:
     """The feet (2, 7), right and left, on the floor."""
     hips = float(skeleton.offsets[INDEX["left_upper_leg"], 1])

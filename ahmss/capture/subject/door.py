@@ -24,17 +24,19 @@ _OVER = 62.0  # degrees by which the palm looks down rather than at the door
 _INTO_FINGERS = 0.016  # metres from the palm's middle to the lever, towards the fingers
 _SHY = 0.05  # metres by which the hand comes from above and before the lever
 _AHEAD = 0.30  # seconds by which the gaze leads the hand
-_EYES_LEAVE = 0.8  # of the way that the head goes to what is looked at; the eyes do the rest
+_EYES_LEAVE = 0.65  # of the way that the head goes to what is looked at; the eyes do the rest
 _UP = np.array([0.0, 0.0, 1.0])
 
-_ARM = Arm(forward=30.0, aside=20.0, turn_in=10.0, elbow=70.0, pronate=40.0)
+_ARM = Arm(
+    forward=30.0, aside=25.0, turn_in=-42.0, elbow=70.0, pronate=40.0
+)  # the elbow out, or the wrist would not do
 _STANDING = Posture(stance=STRAIGHT)
 _AT_CLOSED = replace(
     _STANDING, shift=(0.05, -0.03), hips_turn=-14.0, hips_lean=2.0, turn=-26.0, lean=3.0, right_arm=_ARM,
 )  # fmt: skip
 _AT_OPEN = replace(
     _STANDING, shift=(0.095, -0.078), hips_turn=-18.0, hips_lean=10.0, hips_tilt=-7.0, turn=-18.0, lean=14.0, tilt=-9.0,
-    drop=0.006, right_arm=_ARM,
+    drop=0.012, right_arm=_ARM,
 )  # fmt: skip
 
 
