@@ -290,12 +290,14 @@ def bench(
     as_json: Json = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="A table for the documentation.")] = False,
     scale: Annotated[bool, typer.Option("--scale", help="How the cost grows, with a plot.")] = False,
+    picture: Annotated[Path, typer.Option(help="Where the plot goes.")] = Path("out/scale.png"),
 ) -> None:
     """Measure start times and rates against the goals. Example: ahmss bench --json start compute"""
     from ahmss.bench.run import main as measure
 
     flags = {"--json": as_json, "--markdown": markdown, "--scale": scale}
-    raise typer.Exit(measure([*(what or []), *(flag for flag, given in flags.items() if given)]))
+    given = [flag for flag, asked in flags.items() if asked]
+    raise typer.Exit(measure([*(what or []), *given, "--picture", str(picture)]))
 
 
 def _size(text: str) -> tuple[int, int]:

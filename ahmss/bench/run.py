@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -14,7 +15,10 @@ from ahmss.bench.report import markdown, show
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 
-__all__ = ["MEASURES", "main", "measure"]
+__all__ = ["MEASURES", "PICTURE", "main", "measure"]
+
+PICTURE = Path("out") / "scale.png"
+"""Where the plot of `--scale` goes; the documentation's is drawn where it was asked for by name."""
 
 _progress = Console(stderr=True)
 
@@ -87,7 +91,8 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("what", nargs="*", help=f"some of: {', '.join(MEASURES)}; all if left out", metavar="WHAT")
     parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
     parser.add_argument("--markdown", action="store_true", help="a table for the documentation")
-    parser.add_argument("--scale", action="store_true", help="how the cost grows; draws docs/pictures/scale.png")
+    parser.add_argument("--scale", action="store_true", help="how the cost grows, with a plot")
+    parser.add_argument("--picture", type=Path, default=PICTURE, help=f"where the plot goes; left out: {PICTURE}")
     options = parser.parse_args(arguments)
     unknown = [name for name in options.what if name not in MEASURES]
     if unknown:
@@ -96,7 +101,7 @@ def main(arguments: Sequence[str]) -> int:
     if options.scale:
         from ahmss.bench.scale import scale
 
-        report = scale(workspace)
+        report = scale(workspace, options.picture)
         print(json.dumps(report, indent=2))
         return 0
     names = options.what or list(MEASURES)

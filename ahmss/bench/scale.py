@@ -31,10 +31,12 @@ _LABELS = {
 _progress = Console(stderr=True)
 
 
-def scale(workspace: Workspace) -> dict[str, Points]:
-    """Measure the four curves, (how many, cost), and draw them into docs/pictures/scale.png."""
-    report = {"humans": _humans(), "fused": _fused(workspace), "objects": _objects(workspace), "polygons": _polygons()}
-    picture = workspace.root / "docs" / "pictures" / "scale.png"
+def scale(workspace: Workspace, picture: Path) -> dict[str, Points]:
+    """Measure the four curves, (how many, cost), and draw them."""
+    measured = {
+        "humans": _humans(), "fused": _fused(workspace), "objects": _objects(workspace), "polygons": _polygons()
+    }  # fmt: skip
+    report = {name: [(x, round(y, 2)) for x, y in points] for name, points in measured.items()}
     draw(report, picture)
     _progress.print(f"wrote {picture}")
     return report
@@ -93,13 +95,19 @@ def draw(report: dict[str, Points], picture: Path) -> None:
         raise DependencyError("the plot needs matplotlib; pip install 'ahmss[make]'") from None
     mpl.use("Agg")
     from matplotlib import pyplot
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
     figure: Any
     figure, axes = pyplot.subplots(2, 2, figsize=(10, 7))
+    plain = FuncFormatter(lambda value, _: f"{value:,.0f}")
     for axis, (name, points) in zip(axes.flat, report.items(), strict=True):
-        axis.plot([x for x, _ in points], [y for _, y in points], "o-", color="#2f6db3")
+        counts, costs = [x for x, _ in points], [y for _, y in points]
+        axis.plot(counts, costs, "o-", color="#2f6db3")
         across, up = _LABELS[name]
-        axis.set(xscale="log", yscale="log", xlabel=across, ylabel=up)
+        axis.set(xscale="log", yscale="log", xlabel=across, ylabel=up, ylim=(min(costs) / 1.6, max(costs) * 1.6))
+        axis.xaxis.set(minor_locator=NullLocator(), major_formatter=plain)
+        axis.set_xticks(counts)
+        axis.yaxis.set(major_locator=LogLocator(subs=(1, 2, 5)), major_formatter=plain, minor_formatter=NullFormatter())
         axis.grid(visible=True, which="both", alpha=0.25)
     figure.tight_layout()
     picture.parent.mkdir(parents=True, exist_ok=True)
