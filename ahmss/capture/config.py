@@ -106,6 +106,10 @@ def load(path: Path) -> TrackerConfig:
         DataError: names the file, the key and what is allowed.
     """
     document = Document(path, str(path))
+    for at, line in enumerate(document.data.get("line", ())):  # each by itself, so that a complaint lists its own keys
+        document.convert(line, LineConfig, ("line", at))
+    for key, part in (("udp", UdpConfig), ("transmitter", TransmitterConfig)):
+        document.convert(document.data.get(key, {}), part, (key,))
     config = document.convert(document.data, TrackerConfig)
     _check_links(document, config)
     _check_lines(document, config)
