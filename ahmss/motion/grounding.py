@@ -28,10 +28,9 @@ __all__ = ["Grounded", "ground"]
 
 _GAP = 0.15  # seconds; a foot that bears again so soon never left
 _OFF = 0.01  # metres over the height at which it stands where a foot has left the ground
-_EASE = 0.12  # seconds before a foot lands and after it leaves over which it is caught and let go
+_EASE = 0.06  # seconds before a foot lands and after it leaves over which it is caught and let go
 _LOWEST = 0.008  # metres over its lowest part at which another part of a foot counts little
 _REACH = 0.995  # share of a leg's length that a foot which stands may ask for
-_STRAIGHT = 0.9995
 _SMOOTH = 0.05  # seconds over which hips go lower for a leg that is too short
 
 
@@ -157,7 +156,7 @@ def _over(values: Array, rate: float) -> Array:
 
 def _end_speeds(piece: Array) -> tuple[Array, Array]:
     """How fast a piece (n, 3) changes at its beginning and its end, a frame."""
-    few = min(3, len(piece) - 1)
+    few = min(2, len(piece) - 1)
     if few < 1:
         return np.zeros(3), np.zeros(3)
     return (piece[few] - piece[0]) / few, (piece[-1] - piece[-1 - few]) / few
@@ -179,7 +178,7 @@ def _within_reach(
         thigh, shin, ankle = (INDEX[f"{side}_{link}"] for link in ("upper_leg", "lower_leg", "foot"))
         length = float(np.linalg.norm(skeleton.offsets[shin]) + np.linalg.norm(skeleton.offsets[ankle]))
         own = np.linalg.norm(places[:, ankle] - places[:, thigh], axis=-1)
-        length = np.maximum(_REACH * length, np.minimum(own, _STRAIGHT * length))  # as straight as it was, it may be
+        length = np.maximum(_REACH * length, own)  # as straight as it was, it may be
         away = places[:, thigh] - wanted[:, foot, :3]
         aside = np.minimum(np.linalg.norm(away[:, :2], axis=1), length)
         most = np.sqrt(length**2 - aside**2)

@@ -15,6 +15,7 @@ from ahmss.motion.planting import feet
 __all__ = ["HipsOnline"]
 
 _LOW = 0.02  # metres over the lowest part at which a part counts little
+_LOWEST = 0.5  # of the weight that height gives
 _SLOW = 0.3  # metres a second, the same for its speed over the ground
 _PASSING = 0.03  # seconds over which the weight passes from one part to the next
 _NOBODY = 1e-3  # a weight of all parts together below which the hips go on as they went
@@ -61,6 +62,7 @@ class HipsOnline:
         else:
             velocity = (parts[:, :2] - self._parts[:, :2]) * (self._rate / frames)
             slip = np.linalg.norm(velocity + self._speed, axis=1)
+            slip -= slip[low > _LOWEST].min()  # somebody always stands: when all slip, the speed is what is wrong
             self._weight += share * (low * np.exp(-((slip / _SLOW) ** 2)) - self._weight)
             standing = -(self._weight[:, None] * velocity).sum(axis=0) + _NOBODY * self._speed
             self._speed = standing / (self._weight.sum() + _NOBODY)

@@ -16,7 +16,7 @@ from ahmss.errors import CommandError
 from ahmss.motion.clip import load, save
 from ahmss.motion.contact import foot_points
 from tests.capture.taken import SUBJECT, degrees_between, performed, take_of
-from tests.motion.bvh import MOCAP
+from tests.motion.mocap import capture_path
 
 
 def test_the_human_does_what_the_subject_did(tmp_path):
@@ -64,10 +64,7 @@ def test_jitter_is_smoothed_when_asked():
 @pytest.fixture(scope="module")
 def stumble():
     """A real capture in which the right foot jumps once."""
-    found = sorted(MOCAP.glob("*B02*.bvh"))
-    if not found:
-        pytest.skip(f"no motion capture in {MOCAP}")
-    return take_of(performance_of(str(found[0]), Skeleton.of(1.65, "female")))[0]
+    return take_of(performance_of(str(capture_path("B02")), Skeleton.of(1.65, "female")))[0]
 
 
 def test_a_real_jump_is_found_and_mended_only_when_asked(stumble):
