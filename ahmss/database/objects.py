@@ -73,15 +73,16 @@ class ObjectDatabase:
             except AhmssError as error:
                 out.append(Listing(name, error=str(error)))
                 continue
-            out.append(Listing(name, kind.sentence, self._missing(kind)))
+            out.append(Listing(name, kind.sentence, self._fault(kind)))
         return out
 
-    def _missing(self, kind: ObjectKind) -> str:
-        """What is wrong with the first file that the kind names and that is not there."""
+    def _fault(self, kind: ObjectKind) -> str:
+        """What is wrong with what the kind contains, or with the first file that it names and that is not there."""
         try:
+            self.place(kind.name, kind.name)
             for affordance in ("", *kind.affordances):
                 check_files(self.workspace, kind, affordance)
-        except DataError as error:
+        except AhmssError as error:
             return str(error)
         return ""
 

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
 from ahmss.body.quaternion import multiply, rotate
-from ahmss.database.records import ObjectKind, Quaternion, Vector
+from ahmss.database.records import Contained, ObjectKind, Quaternion, Vector
 from ahmss.errors import CommandError, DataError
 
 __all__ = ["Changes", "Placed", "difference", "expand"]
 
 _MOST = 20_000  # objects in one
+_DEEPEST = 32  # objects in objects in objects
 
 
-class Placed(msgspec.Struct, frozen=True):
+class Placed(msgspec.Struct, frozen=True, gc=False):
     """One object at its place: `name` is `panel/button_3`, `parent` is `panel` ("" for the outermost).
 
     position, rotation: in the world. local_position, local_rotation: in the parent's frame (the world's for the
@@ -51,14 +53,21 @@ def expand(
 ) -> tuple[Placed, ...]:
     """The object `name` of a kind and all it contains, parents before children (see `ObjectDatabase.place`)."""
     out: list[Placed] = []
+    kind_of = cache(kind_of)  # looked up once, however often it is contained
 
     def visit(record: ObjectKind, placed: Placed, chain: tuple[str, ...]) -> None:
         out.append(placed)
-        if len(out) > _MOST:
-            raise DataError(label(record.directory / "object.toml"), "contains", f"more than {_MOST} objects in one")
-        for i, entry in enumerate(record.contains):
+        entries = record.contains
+        if not entries:
+            return
+        file = label(record.directory / "object.toml")
+        if len(out) + len(entries) > _MOST:
+            raise DataError(file, "contains", f"more than {_MOST} objects in one")
+        if len(chain) > _DEEPEST:
+            raise DataError(file, "contains", f"objects in objects, more than {_DEEPEST} deep; put some side by side")
+        positions, rotations = _in_world(placed, entries)
+        for i, entry in enumerate(entries):
             place = f"contains[{i}].kind"
-            file = label(record.directory / "object.toml")
             if entry.kind in chain:
                 circle = " contains ".join((*chain[chain.index(entry.kind) :], entry.kind))
                 raise DataError(file, place, f"a circle: {circle}; take one of them out")
@@ -66,9 +75,10 @@ def expand(
                 child = kind_of(entry.kind)
             except CommandError as error:
                 raise DataError(file, place, str(error)) from None
-            local = (entry.position, entry.rotation)
-            at, turn = _compose(placed.position, placed.rotation, *local)
-            inner = Placed(f"{placed.name}/{entry.name}", entry.kind, placed.name, at, turn, *local)
+            inner = Placed(
+                f"{placed.name}/{entry.name}", entry.kind, placed.name,
+                positions[i], rotations[i], entry.position, entry.rotation,
+            )  # fmt: skip
             visit(child, inner, (*chain, entry.kind))
 
     visit(kind_of(kind), Placed(name, kind, "", position, rotation, position, rotation), (kind,))
@@ -83,8 +93,10 @@ def difference(before: Sequence[Placed], after: Sequence[Placed]) -> Changes:
     """
     old = {p.name: p for p in before}
     new = {p.name: p for p in after}
-    replaced = {n for n, p in new.items() if n in old and old[n].kind != p.kind}
-    replaced |= {n for n in new if any(n.startswith(f"{r}/") for r in replaced)}
+    replaced: set[str] = set()
+    for n, p in new.items():  # parents come before what they contain
+        if p.parent in replaced or (n in old and old[n].kind != p.kind):
+            replaced.add(n)
     added = tuple(p for n, p in new.items() if n not in old or n in replaced)
     removed = tuple(n for n in reversed(list(old)) if n not in new or n in replaced)
     moved = tuple(
@@ -97,11 +109,9 @@ def difference(before: Sequence[Placed], after: Sequence[Placed]) -> Changes:
     return Changes(added, moved, removed)
 
 
-def _compose(
-    position: Vector, rotation: Quaternion, local_position: Vector, local_rotation: Quaternion
-) -> tuple[Vector, Quaternion]:
-    """The world pose of a local pose in a frame."""
-    q = np.array(rotation)
-    at = np.array(position) + rotate(q, np.array(local_position))
-    turn = multiply(q, np.array(local_rotation))
-    return (float(at[0]), float(at[1]), float(at[2])), (float(turn[0]), float(turn[1]), float(turn[2]), float(turn[3]))
+def _in_world(parent: Placed, entries: Sequence[Contained]) -> tuple[list[Vector], list[Quaternion]]:
+    """Where the entries of a placed object are in the world."""
+    turn = np.array(parent.rotation)
+    positions = parent.position + rotate(turn, np.array([entry.position for entry in entries]))
+    rotations = multiply(turn, np.array([entry.rotation for entry in entries]))
+    return [(x, y, z) for x, y, z in positions.tolist()], [(w, x, y, z) for w, x, y, z in rotations.tolist()]

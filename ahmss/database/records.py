@@ -91,7 +91,7 @@ class Affordance(msgspec.Struct, frozen=True):
     hold: str = ""
 
 
-class Contained(msgspec.Struct, frozen=True):
+class Contained(msgspec.Struct, frozen=True, gc=False):
     """An object that is part of another: its kind, its name there, and its pose in the other's frame."""
 
     kind: str

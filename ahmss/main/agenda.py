@@ -6,10 +6,10 @@ import operator
 import threading
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from ahmss.errors import AhmssError, CommandError, WorldError
+from ahmss.main.aside import aside, at_once
 from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
 from ahmss.main.database import find_object
 from ahmss.main.script import Step
@@ -90,9 +90,10 @@ class Agenda:
     def _busy(self) -> bool:
         if self._main.control.busy:
             return True
-        if self._waits is not None and self._waits():
+        waits, self._waits = self._waits, None  # one that fails is not asked again
+        if waits is not None and waits():
+            self._waits = waits
             return True
-        self._waits = None
         return False
 
     def _count(self) -> None:
@@ -158,38 +159,27 @@ class Agenda:
         self._waits = waits
 
     def _add(self, line: Add, step: Step) -> None:
-        """Shapes are read in a thread, so that the body stays alive; in lockstep at once."""
+        """Shapes are read and sent in a thread, so that the body stays alive; in lockstep at once."""
         main = self._main
-        read: Future[None] = Future()
+        scene = main.communication
+        name = scene.free_name(line)
+        begin = at_once if self._setup.lockstep else aside
+        errand = begin(lambda: scene.add(line, name, main.workspace))
+        unseen = scene.news()
 
-        def load() -> None:
+        def waits() -> bool:
+            if not errand.done():
+                return True
             try:
-                main.communication.load(line, main.workspace)
-                read.set_result(None)
-            except AhmssError as error:
-                read.set_exception(error)
-
-        def place() -> None:
-            try:
-                read.result()
-                placed = main.communication.add(line, main.workspace)
+                placed = errand.result()
+                if unseen():
+                    return True
                 main.layout.remember(placed)
                 inside = len(placed) - 1
                 more = f", with {inside} objects in it" if inside else ""
-                self.said(f"{placed[0].name} is in the world{more}")
+                self.said(f"{name} is in the world{more}")
             except AhmssError as error:
                 self._trouble(step, error)
-
-        if self._setup.lockstep:
-            load()
-            place()
-            return
-        threading.Thread(target=load, daemon=True).start()
-
-        def waits() -> bool:
-            if not read.done():
-                return True
-            place()
             return False
 
         self._waits = waits

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 
 import msgspec
 import numpy as np
@@ -16,9 +16,10 @@ from ahmss.database.shape import Shape
 from ahmss.database.workspace import Workspace
 from ahmss.errors import WorldError
 from ahmss.main.command import Add
+from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
-from ahmss.world.schema import Claim, GetScene, NewObject, ObjectRecord, Release, SetState, StateChange, StateValue
+from ahmss.world.schema import Claim, GetScene, ObjectRecord, Release, SetState, StateChange, StateValue
 from ahmss.world.view import World
 
 __all__ = ["Communication"]
@@ -120,41 +121,37 @@ class Communication:
         self.client.refusals.clear()
         return said
 
-    @staticmethod
-    def load(add: Add, workspace: Workspace) -> None:
-        """Read the shapes that `add` will send; may take seconds, touches no socket."""
-        workspace.objects.get(add.kind)
-        for kind in {placed.kind for placed in workspace.objects.place(add.kind, add.kind)}:
-            workspace.objects.shape(kind)
+    @contextlib.contextmanager
+    def errand(self) -> Generator[WorldClient]:
+        """The connection for what waits for its answers: in real time one of its own, to be used in a thread."""
+        if self.lockstep:
+            yield self.client
+            return
+        with self.client.another() as client:
+            yield client
 
-    def add(self, add: Add, workspace: Workspace) -> tuple[Placed, ...]:
-        """Add an object and all that it contains, with their shapes.
+    def free_name(self, add: Add) -> str:
+        """The name that an object is to have: the one asked for, or its kind's with a number where that is taken."""
+        name, number = add.name or add.kind, 2
+        while not add.name and name in self.world.objects:
+            name, number = f"{add.kind}_{number}", number + 1
+        return name
+
+    def add(self, add: Add, name: str, workspace: Workspace) -> tuple[Placed, ...]:
+        """Add an object and all that it contains, with their shapes. May take seconds, in real time in a thread.
 
         Raises:
             AhmssError: a file is wrong, or the server refused; says why.
         """
-        workspace.objects.get(add.kind)
-        name = add.name or _free_name(add.kind, self.world.objects)
         half = np.radians(add.facing_deg) / 2.0
         x, y, z = (float(v) for v in (*add.place, 0.0)[:3])
         rotation = (float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
         placed = workspace.objects.place(add.kind, name, (x, y, z), rotation)
-        new = [self.describe(one, workspace) for one in placed]
-        self.client.add(new)
-        self.client.refresh()
+        with self.errand() as client:
+            deliver(client, placed, workspace)
+            if self.lockstep:
+                client.refresh()
         return placed
-
-    def describe(self, placed: Placed, workspace: Workspace) -> NewObject:
-        """An object as the server is told of it; its shape and texture are sent where the server lacks them."""
-        shape = workspace.objects.shape(placed.kind)
-        mesh = texture = ""
-        if shape is not None:
-            mesh = self.client.put_asset(shape.glb)
-            texture = self.client.put_asset(shape.texture.data) if shape.texture else ""
-        states: dict[str, StateValue] = dict(workspace.objects.get(placed.kind).initial_states)
-        return NewObject(
-            placed.name, placed.kind, placed.local_position, placed.local_rotation, placed.parent, mesh, texture, states
-        )  # fmt: skip
 
     def claim(self, name: str, hand: str) -> Pending:
         """Ask that only this human moves an object from now on."""
@@ -210,12 +207,3 @@ class Communication:
             shown = int(world.human_frames[row[0]])
             self._own = {name: own for name, own in self._own.items() if own[0] > shown}
             self._said = {name: said for name, said in self._said.items() if said[0] > shown}
-
-
-def _free_name(kind: str, taken: Iterable[str]) -> str:
-    """The kind's own name, or with a number behind it."""
-    names = set(taken)
-    name, number = kind, 2
-    while name in names:
-        name, number = f"{kind}_{number}", number + 1
-    return name

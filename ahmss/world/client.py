@@ -119,6 +119,10 @@ class WorldClient:
         """Close."""
         self.close()
 
+    def another(self) -> WorldClient:
+        """A second connection to the same server, for use in another thread; the caller closes it."""
+        return WorldClient(self.address, keys=self._keys, timeout=self.timeout, follow=False)
+
     def close(self) -> None:
         """Close the sockets. Humans that have not left stay for the server's grace time."""
         if self._closed:
@@ -290,7 +294,7 @@ class WorldClient:
         self._ask(schema.Release(human, list(objects)), schema.Done)
 
     def transfer(self, name: str, giver: str, taker: str, hand: str = "") -> None:
-        """Give an object from hand to hand in one step; the giver's or the taker's main may ask."""
+        """Give an object from hand to hand in one step; only the giver's main may ask."""
         self._ask(schema.Transfer(name, giver, taker, hand), schema.Done)
 
     def set_state(self, name: str, state: str, value: StateValue) -> None:

@@ -3,6 +3,7 @@
 Every message but the pose of a human (frame.py) is msgpack of one of these structs, told apart by the tag `type`.
 Fields are only ever added, with defaults, and never change their type. Poses are `place xyz, rotation wxyz` in the
 world's frame, metres; `frames`, `poses`, `places` and `*_ids` are packed little-endian arrays (unpacked by view.py).
+What comes by the thousand has `gc=False`: it holds no circles, and the collector would cost more than the decoding.
 """
 
 from __future__ import annotations
@@ -82,7 +83,7 @@ def content_hash(data: bytes) -> str:
 # What the world is made of
 
 
-class ObjectRecord(msgspec.Struct, frozen=True):
+class ObjectRecord(msgspec.Struct, frozen=True, gc=False):
     """One object of the world, as it is at the revision of the scene that holds it.
 
     `parent` is the name of the object that contains it. An `attached` object is carried by its parent; one that was
@@ -127,7 +128,7 @@ class Scene(msgspec.Struct, frozen=True, tag="scene"):
     version: int = VERSION
 
 
-class ObjectChange(msgspec.Struct, frozen=True, array_like=True):
+class ObjectChange(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """The states and the holder of an object where they differ from the scene's."""
 
     id: int
@@ -175,7 +176,7 @@ class Heartbeat(msgspec.Struct, frozen=True, tag="heartbeat"):
     request: int = 0
 
 
-class ObjectPose(msgspec.Struct, frozen=True, array_like=True):
+class ObjectPose(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """Where the named object is, in the world."""
 
     name: str
@@ -210,7 +211,7 @@ class Leave(msgspec.Struct, frozen=True, tag="leave"):
     request: int = 0
 
 
-class NewObject(msgspec.Struct, frozen=True):
+class NewObject(msgspec.Struct, frozen=True, gc=False):
     """An object to add. Place and rotation are in the parent's frame where `parent` is named, else the world's."""
 
     name: str
@@ -264,7 +265,7 @@ class Release(msgspec.Struct, frozen=True, tag="release"):
 
 
 class Transfer(msgspec.Struct, frozen=True, tag="transfer"):
-    """From hand to hand in one step: nobody else can claim the object in between."""
+    """From hand to hand in one step, asked by the giver's main: nobody else can claim the object in between."""
 
     object: str
     giver: str

@@ -116,9 +116,11 @@ class Space:
             self.people.remove(name)
 
     def _transfer(self, owner: bytes, request: schema.Transfer) -> None:
-        owners = (self.people.get(request.giver).owner, self.people.get(request.taker).owner)
-        if owner not in owners:
-            raise WorldError(f"{request.object} can be given by the main of {request.giver} or of {request.taker} only")
+        giver, taker = self.people.get(request.giver), self.people.get(request.taker)
+        if giver.owner != owner:
+            raise WorldError(f"only the main of {request.giver} can give {request.object} away")
+        if giver is taker:
+            raise WorldError(f"{request.giver} can't give {request.object} to itself; name another human")
         self.things.transfer(request.object, request.giver, request.taker, request.hand)
 
     def _check_assets(self, *names: str) -> None:

@@ -12,7 +12,8 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, normalize, rotate
 from ahmss.errors import WorldError
 from ahmss.world.changes import Changes
-from ahmss.world.frame import faulty
+from ahmss.world.frame import faulty, is_faulty_row
+from ahmss.world.nesting import in_world
 from ahmss.world.poses import Table
 from ahmss.world.schema import NewObject, ObjectPose, ObjectRecord, StateChange, StateValue
 
@@ -84,15 +85,12 @@ class Things:
         """Add objects, parents before what they contain."""
         if len(self.by_name) + len(objects) > MOST_OBJECTS:
             raise WorldError(f"the world takes {MOST_OBJECTS} objects; remove some first")
-        poses: dict[str, Array] = {}
+        earlier: set[str] = set()
         for new in objects:
-            self._check(new, poses)
-            pose = np.array((*new.place, *new.rotation))
-            if new.parent:
-                parent = poses[new.parent] if new.parent in poses else self.poses[self.by_name[new.parent].id]
-                pose = _compose(parent, pose)
-            poses[new.name] = pose
-        return [self._insert(new, poses[new.name]) for new in objects]
+            self._check(new, earlier)
+            earlier.add(new.name)
+        poses = in_world(objects, lambda name: self.poses[self.by_name[name].id])
+        return [self._insert(new, pose) for new, pose in zip(objects, poses, strict=True)]
 
     def restore(self, record: ObjectRecord) -> None:
         """Put a record of the journal back, or over the one of the same id."""
@@ -224,7 +222,7 @@ class Things:
 
     # How
 
-    def _check(self, new: NewObject, earlier: dict[str, Array]) -> None:
+    def _check(self, new: NewObject, earlier: set[str]) -> None:
         """Refuse a new object that can't be."""
         check_name(new.name, "an object")
         if new.name in self.by_name or new.name in earlier:
@@ -233,8 +231,7 @@ class Things:
             raise WorldError(f'{new.name}: no object "{new.parent}" to contain it')
         if new.parent and not new.name.startswith(new.parent + "/"):
             raise WorldError(f"{new.name}: what {new.parent} contains is named {new.parent}/...")
-        pose = np.array((*new.place, *new.rotation), float)
-        if faulty(pose[None, :3], pose[None, None, 3:])[0]:
+        if is_faulty_row([0.0, *new.place, *new.rotation]):
             raise WorldError(f"{new.name}: its place is not finite, or its rotation no unit quaternion")
         longest = max((len(str(text)) for text in (*new.states, *new.states.values())), default=0)
         if len(new.states) > _MOST_STATES or longest > _LONGEST_VALUE or len(new.kind) > _LONGEST_NAME:
@@ -286,9 +283,3 @@ class Things:
         self.poses.data[rows] = poses
         for part in going:
             self.changes.moved[part.id] = owner
-
-
-def _compose(parent: Array, pose: Array) -> Array:
-    """A pose in the parent's frame, in the world: both (7,)."""
-    place = parent[:3] + rotate(parent[3:], pose[:3])
-    return np.concatenate([place, normalize(multiply(parent[3:], pose[3:]))])

@@ -61,6 +61,25 @@ def test_a_circle_is_told_as_a_chain(workspace: Workspace) -> None:
         workspace.objects.place("a", "a")
 
 
+def test_a_circle_is_a_fault_in_the_list_too(workspace: Workspace) -> None:
+    add_object(workspace, "a", '[[contains]]\nkind = "b"\n')
+    add_object(workspace, "b", '[[contains]]\nkind = "a"\n')
+    add_object(workspace, "lamp", "")
+    faults = {line.name: line.error for line in workspace.objects.list()}
+    assert "a circle: a contains b contains a" in faults["a"]
+    assert "a circle: b contains a contains b" in faults["b"]
+    assert faults["lamp"] == ""
+
+
+def test_a_chain_without_end_is_told_in_a_sentence(workspace: Workspace) -> None:
+    for i in range(1200):
+        add_object(workspace, f"k{i}", f'[[contains]]\nkind = "k{i + 1}"\n')
+    add_object(workspace, "k1200", "")
+    with pytest.raises(DataError, match=r"objectdb/k32/object.toml: contains: .*more than 32 deep"):
+        workspace.objects.place("k0", "k0")
+    assert len(workspace.objects.place("k1168", "k1168")) == 33
+
+
 def test_a_multiplying_tree_is_stopped(workspace: Workspace) -> None:
     for level in range(5):
         rows = [f'[[contains]]\nkind = "k{level + 1}"\nname = "n{i}"\n' for i in range(8)]
@@ -107,6 +126,18 @@ def test_moving_a_parent_moves_no_child_by_itself(workspace: Workspace) -> None:
     assert [p.name for p in changes.moved] == ["p"]
     assert not changes.added
     assert not changes.removed
+
+
+def test_what_is_in_an_entry_of_another_kind_is_new_with_it(workspace: Workspace) -> None:
+    add_object(workspace, "button", "")
+    for kind in ("lever", "crank"):
+        add_object(workspace, kind, '[[contains]]\nkind = "button"\n')
+    file = add_object(workspace, "panel", '[[contains]]\nkind = "lever"\nname = "grip"\n')
+    before = workspace.objects.place("panel", "p")
+    file.write_text(file.read_text().replace("lever", "crank"))
+    changes = difference(before, workspace.objects.place("panel", "p"))
+    assert [p.name for p in changes.added] == ["p/grip", "p/grip/button"]
+    assert changes.removed == ("p/grip/button", "p/grip")
 
 
 def test_removed_children_go_before_their_parents(workspace: Workspace) -> None:

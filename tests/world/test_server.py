@@ -114,6 +114,21 @@ def test_objects_are_added_all_or_none_with_a_reason(start, connect, wrong, reas
     assert set(ken.refresh().objects) == {"tray", "tray/cup"}
 
 
+def test_what_is_added_with_its_parent_stands_as_if_it_came_after_it(start, connect):
+    ken = connect(start())
+    quarter = (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))
+    parents = {"a": "", "a/b": "a", "a/b/c": "a/b", "a/d": "a"}
+    new = [NewObject(name, "cup", (1.0, 0.0, 0.5), quarter, parent) for name, parent in parents.items()]
+    ken.add(new)
+    together = {name: ken.refresh().pose(name).copy() for name in parents}
+    ken.remove("a")
+    for one in new:
+        ken.add([one])
+    assert np.allclose(together["a/b/c"], [0.0, 1.0, 1.5, -np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+    for name in parents:
+        assert np.allclose(ken.refresh().pose(name), together[name])
+
+
 def test_more_than_a_message_holds_is_refused_before_it_is_sent(start, connect):
     ken = connect(start())
     with pytest.raises(WorldError, match="send it in parts"):
@@ -171,6 +186,13 @@ def test_two_humans_can_not_hold_one_cup_and_one_gives_it_to_the_other(start, co
         taker.set_state("tray/cup", "full", "no")
     with pytest.raises(WorldError, match="held by"):
         taker.remove("tray")
+    with pytest.raises(WorldError, match=f"only the main of {holder} can give"):
+        taker.transfer("tray/cup", holder, other, "left")
+    with pytest.raises(WorldError, match="another human"):
+        giver.transfer("tray/cup", holder, holder, "left")
+    with pytest.raises(WorldError, match="nobody"):
+        giver.transfer("tray/cup", holder, "nobody", "left")
+    assert viewer.refresh().objects["tray/cup"].holder == holder
     giver.transfer("tray/cup", holder, other, "left")
     assert viewer.refresh().objects["tray/cup"].holder == other
     taker.set_state("tray/cup", "full", "no")

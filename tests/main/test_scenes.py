@@ -1,0 +1,147 @@
+"""Objects made of many: they come, and follow their files, while the body lives on."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ahmss.database.workspace import Workspace
+from ahmss.errors import WorldError
+from ahmss.main import delivery
+from ahmss.main.process import MainProcess
+from ahmss.world.client import WorldClient
+from ahmss.world.process import ServerProcess
+from ahmss.world.schema import NewObject, ObjectPose
+from tests.main.ground import steps
+
+Start = Callable[..., ServerProcess]
+Join = Callable[..., MainProcess]
+ENTRY = '[[contains]]\nkind = "box"\nname = "b{}"\nposition = [{}, 0.0, 0.0]\n'
+
+
+def write_shelf(workspace: Path, places: list[float]) -> None:
+    folder = workspace / "objectdb" / "shelf"
+    folder.mkdir(exist_ok=True)
+    entries = (ENTRY.format(i, float(place)) for i, place in enumerate(places))
+    (folder / "object.toml").write_text('name = "shelf"\n' + "".join(entries))
+
+
+def begin(main: MainProcess, *lines: str) -> None:
+    for step in steps(*lines):
+        main.agenda.add(step)
+
+
+def go_on(main: MainProcess, over: Callable[[], bool]) -> None:
+    """Frames at an easy pace until it is so; the test's time limit ends what never is."""
+    while not over():
+        main.frame()
+        time.sleep(0.005)
+
+
+def deliver(client: WorldClient, workspace: Path) -> None:
+    place = Workspace(workspace)
+    delivery.deliver(client, place.objects.place("shelf", "shelf"), place)
+
+
+def test_a_shape_is_sent_once_however_many_show_it(
+    server: Start, workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_shelf(workspace, list(range(50)))
+    sent: list[bytes] = []
+    with WorldClient(server().address) as client:
+        put = client.put_asset
+        monkeypatch.setattr(client, "put_asset", lambda data: (sent.append(data), put(data))[1])
+        deliver(client, workspace)
+        assert len(client.refresh().objects) == 51
+        assert len({record.shape for record in client.world.objects.values() if record.kind == "box"}) == 1
+    assert len([data for data in sent if data]) == 1
+
+
+def test_what_is_too_much_for_a_message_goes_in_parts_all_or_none(
+    server: Start, workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(delivery, "_MOST_BYTES", 2000)
+    write_shelf(workspace, list(range(50)))
+    with WorldClient(server().address) as client:
+        client.add([NewObject("shelf", "shelf"), NewObject("shelf/b40", "box", parent="shelf")])
+        client.add([NewObject("table", "table")])
+        place = Workspace(workspace)
+        inside = place.objects.place("shelf", "shelf")[1:]
+        with pytest.raises(WorldError, match="shelf/b40 is in the world already"):
+            delivery.deliver(client, inside, place)
+        assert set(client.refresh().objects) == {"shelf", "shelf/b40", "table"}
+        client.remove("shelf")
+        deliver(client, workspace)
+        assert len(client.refresh().objects) == 52
+        assert client.world.pose("shelf/b49")[0] == 49.0
+
+
+def test_no_frame_waits_for_a_server_that_takes_its_time_over_an_add(
+    server: Start, join: Join, workspace: Path
+) -> None:
+    write_shelf(workspace, [0.0, 0.2])
+    one = server()
+    main = join(one)
+    os.kill(one.pid, signal.SIGSTOP)
+    begin(main, "add shelf at 1 0 0")
+    frames = main.report.frames + 60
+    go_on(main, lambda: main.report.frames == frames)
+    assert not main.agenda.done
+    os.kill(one.pid, signal.SIGCONT)
+    go_on(main, lambda: main.agenda.done)
+    assert main.report.messages == []
+    assert set(main.communication.world.objects) == {"shelf", "shelf/b0", "shelf/b1"}
+
+
+def test_a_file_that_does_not_change_is_not_placed_again(
+    server: Start, join: Join, workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_shelf(workspace, [0.0, 0.2])
+    main = join(server())
+    placed: list[str] = []
+    place = main.workspace.objects.place
+    monkeypatch.setattr(main.workspace.objects, "place", lambda *given: (placed.append(given[0]), place(*given))[1])
+    begin(main, "add shelf", "wait 4")
+    go_on(main, lambda: main.agenda.done)
+    assert placed == ["shelf", "shelf"]  # as it was added, and at the first look
+    write_shelf(workspace, [0.0, 0.3])
+    go_on(main, lambda: main.communication.pose("shelf/b1")[0] > 0.25)
+    assert len(placed) in (3, 4)  # once more where the file was too young to be sure of
+
+
+def test_no_frame_waits_for_a_server_that_takes_its_time_over_a_changed_file(
+    server: Start, join: Join, workspace: Path
+) -> None:
+    write_shelf(workspace, [0.0, 0.2])
+    one = server()
+    main = join(one)
+    begin(main, "add shelf", "wait 1.5")
+    go_on(main, lambda: main.agenda.done)
+    os.kill(one.pid, signal.SIGSTOP)
+    write_shelf(workspace, [0.1, 0.3, 0.5])
+    frames = main.report.frames + 150
+    go_on(main, lambda: main.report.frames == frames)
+    os.kill(one.pid, signal.SIGCONT)
+    go_on(main, lambda: "shelf/b2" in main.communication.world.objects)
+    go_on(main, lambda: main.communication.pose("shelf/b1")[0] > 0.25)
+    assert main.report.messages == []
+
+
+def test_what_somebody_has_moved_stays_and_the_others_follow_the_file(
+    server: Start, join: Join, workspace: Path
+) -> None:
+    write_shelf(workspace, [0.0, 0.2])
+    main = join(server())
+    begin(main, "add shelf", "wait 1.5")
+    go_on(main, lambda: main.agenda.done)
+    main.communication.client.move([ObjectPose("shelf/b0", (0.0, 2.0, 0.0), (1.0, 0.0, 0.0, 0.0))])
+    write_shelf(workspace, [0.1, 0.3])
+    go_on(main, lambda: main.communication.pose("shelf/b1")[0] > 0.25)
+    assert np.abs(main.communication.pose("shelf/b0")[:3] - [0.0, 2.0, 0.0]).max() < 1e-9
+    assert main.report.messages == []
