@@ -113,8 +113,8 @@ def test_a_line_with_room_carries_every_frame(plugged, step):
 def test_an_over_full_line_drops_to_what_its_baud_rate_carries(plugged, step):
     cable = plugged(kind="liberty", baud=115200)
     cable.write(SETUP)
-    data = cable.run(4.0, step)
-    assert len(data) == pytest.approx(4.0 * 11520, rel=0.01)  # full, and no fuller
+    data = cable.run(2.0, step)
+    assert len(data) == pytest.approx(2.0 * 11520, rel=0.01)  # full, and no fuller
     numbers = frames(data, LAYOUT)
     carried = len(numbers) / (numbers[-1] - numbers[0] + 1)
     assert carried == pytest.approx(11520 / (15 * RECORD) / 60.0, rel=0.02)  # 16.7 of 60 frames/s
@@ -136,9 +136,9 @@ def test_printed_quaternions_of_fifteen_stations_do_not_fit_where_binary_ones_do
     for mode, size in ((b"F", 54), (b"f", 33)):
         cable = plugged(lines=1, measurements=900.0, rate=60.0, baud=921600 if mode == b"f" else 115200)
         cable.write(mode + b"".join(b"O%d,2,11,1\r" % n for n in range(1, 16)) + b"C")
-        carried[mode] = len(cable.run(2.0)) / (15 * size) / 2.0
+        carried[mode] = len(cable.run(1.0)) / (15 * size)
     assert carried[b"f"] == pytest.approx(60.0, rel=0.02)
-    assert carried[b"F"] == pytest.approx(11520 / (15 * 54), rel=0.02)  # 14 frames/s
+    assert carried[b"F"] == pytest.approx(11520 / (15 * 54), rel=0.03)  # 14 frames/s
 
 
 def test_at_another_baud_rate_there_is_garbage_both_ways_and_a_sentence(plugged):

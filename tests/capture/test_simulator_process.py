@@ -140,6 +140,7 @@ def running():
     def run(options: SimulatorOptions) -> list[str]:
         said: list[str] = []
         simulator = Simulator(options, said.append)
+        simulator.open()
         thread = threading.Thread(target=simulator.run)
         thread.start()
         ends.append((simulator, thread))
@@ -204,6 +205,7 @@ def test_an_ultratrak_waits_for_a_listener_and_sends_it_every_frame(running):
 def test_quit_ends_it():
     reading, writing = os.pipe()
     simulator = Simulator(SimulatorOptions(subject(), kind="liberty"), print)
+    simulator.open()
     thread = threading.Thread(target=simulator.run, args=(reading,))
     thread.start()
     os.write(writing, b"quit\n")

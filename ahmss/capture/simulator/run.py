@@ -44,7 +44,8 @@ def run_simulator(options: SimulatorOptions) -> None:
     before = {number: signal.signal(number, end) for number in ends}
     typing_in_background = signal.signal(signal.SIGTTIN, signal.SIG_IGN)  # or a shell's `&` would halt it
     try:
-        simulator.run(sys.stdin.fileno())
+        simulator.open()
+        simulator.run(sys.stdin.fileno() if sys.stdin else None)
     finally:
         signal.signal(signal.SIGTTIN, typing_in_background)
         for number, handler in before.items():
@@ -55,12 +56,12 @@ class Simulator:
     """A tracker's units, their lines, and what is typed; one thread, which sleeps until something is due."""
 
     def __init__(self, options: SimulatorOptions, say: Callable[[str], None]) -> None:
-        """Open the lines and say where they are.
+        """Args: what it is; where sentences for the user go.
 
         Raises:
-            CommandError: the options do not fit together, or a line's name is taken.
+            CommandError: the options do not fit together.
         """
-        self._say = say
+        self._options, self._say = options, say
         self._console = Console(options)
         stage = Stage(options)
         self._lines: list[Line | Broadcast] = []
@@ -69,13 +70,21 @@ class Simulator:
         else:
             self._lines += [Line(options, unit, stage, say) for unit in range(len(options.units()))]
         self._wake, self._waker = os.pipe()
+
+    def open(self) -> None:
+        """Open the lines, say where they are, and write the configuration.
+
+        Raises:
+            CommandError: a line's name is taken, or an address is unknown.
+        """
         try:
             for line in self._lines:
                 line.open()
-                say(line.place)
-            if options.config_out is not None:
-                write_configuration(options.config_out, options, [line.address for line in self._lines])
-                say(f"wrote {options.config_out}")
+                self._say(line.place)
+            if self._options.config_out is not None:
+                addresses = [line.address for line in self._lines]
+                write_configuration(self._options.config_out, self._options, addresses)
+                self._say(f"wrote {self._options.config_out}")
         except BaseException:
             self._close()
             raise
