@@ -26,8 +26,8 @@ _UP = np.array([0.0, 0.0, 1.0])
 def settle(task: HumanTask, clip: Clip, origin: Transform, present: Array) -> tuple[Array, Array]:
     """Rotations (F, 43, 4) and root (F, 3) of the clip in the world.
 
-    The frame in which the hips are highest is taken as standing, the one in which they are lowest as settled; in
-    between what differs for this human is shared out by height.
+    The frame in which the hips are highest is taken as standing, where the legs say how high they are; the one in which
+    they are lowest as settled, where the object does. In between what differs for this human goes by height.
 
     Args:
         task: the acting human, and where it is.
@@ -47,10 +47,7 @@ def settle(task: HumanTask, clip: Clip, origin: Transform, present: Array) -> tu
     turn = _heading(own) - _heading(rotations[high])
     turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
     _refuse_far((rotations[high], root[high]), turn, float(np.hypot(*(standing - root[high])[:2])))
-    settled = np.zeros(3)
-    if task.site is not None and rise > _LEVEL:  # one is on the site by a thickness that grows with stature
-        settled[2] = (root[low, 2] - task.site.place[2]) * (standing[2] / root[high, 2] - 1.0)
-    fitted = root + share[:, None] * (standing - root[high]) + (1.0 - share)[:, None] * settled
+    fitted = root + share[:, None] * (standing - root[high])
     rotations[:, 0] = multiply(from_axis_angle(_UP, share * turn), rotations[:, 0])
     away = float(np.linalg.norm(fitted[0] - task.start.root))
     if away > _FAR:
