@@ -51,6 +51,25 @@ def main() -> None:
         _fail(f"a fault of the program itself: {type(error).__name__}: {error}; --debug shows where")
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        from ahmss import __version__
+
+        typer.echo(f"ahmss {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which version this is.", callback=_version, is_eager=True)
+    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show where an error came from; stands anywhere.")] = False,
+) -> None:
+    """Virtual humans that act on objects which know how."""
+    del version, debug  # told already, and taken out by `main`
+
+
 @app.command()
 def demo(
     out: Annotated[Path, typer.Option(help="Where the recording, the film and the sheet go.")] = Path("out"),
@@ -155,7 +174,7 @@ def play(
     keys: Keys = None,
     workspace: Workspace = None,
 ) -> None:
-    """Play a script, or a recording, in a world of its own or of a server. Example: ahmss play examples/table.txt"""
+    """Play a script or a recording. Example: ahmss play examples/table.txt"""
     from ahmss.main.play import PlaySetup, play_script
     from ahmss.main.replay import is_recording, play_recording
 

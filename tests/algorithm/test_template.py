@@ -39,6 +39,11 @@ def test_a_new_human_algorithm_bows(warm_launcher, make_start, workspace):
     assert rows[0][176 + 2] == 1.0
 
 
+def test_the_readme_prints_what_is_written(workspace):
+    program = new_algorithm(workspace, "bow").read_text()
+    assert f"```python\n{program}```" in (CHECKOUT / "README.md").read_text()
+
+
 def test_a_new_object_algorithm_goes_with_the_hand(warm_launcher, make_start, workspace):
     new_algorithm(workspace, "carried", "object")
     entry = AlgorithmFinder(workspace).find("carried")

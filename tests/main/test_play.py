@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ahmss
 from ahmss.main.judging import motion_of
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.main.process import MainProcess
@@ -318,6 +319,12 @@ def test_an_error_is_one_sentence_and_a_code(arguments: list[str], code: int, er
     assert done.returncode == code
     assert error in " ".join(done.stderr.replace("│", " ").split())
     assert "Traceback" not in done.stderr
+
+
+def test_the_version_and_where_errors_come_from_are_offered() -> None:
+    assert run("--version").stdout == f"ahmss {ahmss.__version__}\n"
+    assert {"--version", "--debug"} <= set(run("--help").stdout.split())
+    assert "Traceback" in run("play", "nothing.txt", "--debug").stderr
 
 
 def test_lists_and_checks_are_json_where_asked(workspace: Path) -> None:
