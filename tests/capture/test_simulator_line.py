@@ -116,7 +116,7 @@ def test_an_over_full_line_drops_to_what_its_baud_rate_carries(plugged, step):
     data = cable.run(2.0, step)
     assert len(data) == pytest.approx(2.0 * 11520, rel=0.01)  # full, and no fuller
     numbers = frames(data, LAYOUT)
-    carried = len(numbers) / (numbers[-1] - numbers[0] + 1)
+    carried = (len(numbers) - 1) / (numbers[-1] - numbers[0])
     assert carried == pytest.approx(11520 / (15 * RECORD) / 60.0, rel=0.02)  # 16.7 of 60 frames/s
     gaps = {after - before for before, after in pairwise(numbers)}
     assert gaps <= {3, 4}  # the newest each time: even gaps, no queue that grows
