@@ -99,7 +99,7 @@ def align(source: SourceMotion, parts: Parts, metres: float) -> tuple[BodyMotion
     lift = between(up, np.array([0.0, 0.0, 1.0]))
     body = BodyMotion(
         rotations=multiply(lift, rotations),
-        places=metres * rotate(lift, _places(parts, places, source)),
+        places=metres * rotate(lift, _places(parts, places, _waist(parts, references[0].places))),
         toes=metres * rotate(lift, places[:, [_toe(parts, side) for side in SIDES]]),
         rate=source.rate,
     )
@@ -136,10 +136,10 @@ def _waist(parts: Parts, places: Array) -> int:
     return parts.spine[int(np.argmin(np.abs(np.array(shares) - _WAIST_SHARE)))]
 
 
-def _places(parts: Parts, places: Array, source: SourceMotion) -> Array:
+def _places(parts: Parts, places: Array, waist: int) -> Array:
     """Where the links' joints are (F, 15, 3), in the file's unit and axes."""
     joints = [parts.limbs.get(name, 0) for name in TRACKED]
-    joints[INDEX["spine"]], joints[INDEX["head"]] = _waist(parts, source.zero_pose()), parts.neck
+    joints[INDEX["spine"]], joints[INDEX["head"]] = waist, parts.neck
     out = places[:, joints]
     out[:, 0] = 0.5 * (places[:, parts.limbs["right_upper_leg"]] + places[:, parts.limbs["left_upper_leg"]])
     return out

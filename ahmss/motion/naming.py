@@ -28,6 +28,7 @@ _LIMBS: dict[str, tuple[str, ...]] = {
     "hand": ("wrist", "hand"),
     "palm": ("hand",),
 }
+_LISTED = 16  # joints that an error names
 _OPTIONAL = ("toe", "palm")
 _HIPS = ("hips", "hip", "pelvis", "root")
 _HEAD = ("head",)
@@ -84,8 +85,10 @@ def parts_of(source: SourceMotion) -> Parts:
     missing = [name for name, joint in (("hips", hips), ("head", head)) if joint < 0]
     missing += [f"{s}_{p}" for s in SIDES for p in _LIMBS if p not in _OPTIONAL and f"{s}_{p}" not in limbs]
     if missing:
-        there = ", ".join(name for name in source.names if not name.endswith("_end"))
-        raise DataError(source.file, "joints", f"none is known to be {', '.join(missing)}; the file has: {there[:400]}")
+        known = {hips, head, *limbs.values()}
+        left = [name for i, name in enumerate(source.names) if i not in known and not name.endswith("_end")]
+        others = ", ".join(left[:_LISTED]) + (", ..." if len(left) > _LISTED else "")
+        raise DataError(source.file, "joints", f"none is known to be {', '.join(missing)}; the others are: {others}")
     return _with_trunk(source, hips, head, limbs)
 
 

@@ -6,9 +6,11 @@ import pytest
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.motion.contact import bearing, contacts, foot_points, runs, speeds
+from ahmss.motion.importing import read_source
+from ahmss.motion.naming import parts_of
+from ahmss.motion.sourcequality import foot_points_of
 
-from .bvh import foot_points as bvh_points
-from .bvh import read
+from .mocap import capture_path
 
 RATE = 60.0
 
@@ -64,9 +66,9 @@ def test_standing_is_contact_of_both_feet_and_a_raised_one_is_not(skeleton):
 
 
 def test_real_walking_steps_in_turn():
-    motion = read("B03_Walk1")
-    points = bvh_points(motion)
-    bears = bearing(points.reshape(-1, 6, 3), motion.rate).reshape(-1, 2, 3).any(axis=-1)
+    source = read_source(capture_path("B03_Walk1"))
+    points = foot_points_of(source, parts_of(source))
+    bears = bearing(points.reshape(-1, 6, 3), source.rate).reshape(-1, 2, 3).any(axis=-1)
     share = bears.mean(axis=0)
     assert np.all((share > 0.55) & (share < 0.8))
     assert bears.any(axis=-1).mean() > 0.95  # walking is never off the ground
