@@ -1,6 +1,6 @@
 """The table that is written by hand beside a captured clip: its keys, and how it is read.
 
-A TOML file; docs/conventions.md lists what it may hold. All its times are seconds of the clip that is kept.
+A TOML file; docs/annotation.md lists what it may hold. All its times are seconds of the clip that is kept.
 """
 
 from __future__ import annotations
