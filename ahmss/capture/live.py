@@ -33,6 +33,7 @@ from ahmss.world.schema import Heartbeat
 __all__ = ["Latency", "Performer", "Puppet", "drive"]
 
 _LOOK = 0.001  # seconds between two looks at the tracker
+_MISSED = 0.2  # share of a sensor's readings that the upright second may lack; the last ones stand for them
 _STILL = 2.0  # degrees RMS that the sensors of one who stands still stray from their mean
 _UP = np.array([0.0, 0.0, 1.0])
 _TELL = 5.0  # seconds between two words on the latency
@@ -111,9 +112,10 @@ class Performer:
     def _calibrate(self, frame: TrackerFrame) -> bool:
         """Whether the last second shows the subject still, and has given the sensors' turns."""
         self._waiting.append(frame)
-        if len(self._waiting) < (self._waiting.maxlen or 0) or any(
-            (each.status >= Status.MISSING).any() for each in self._waiting
-        ):
+        if len(self._waiting) < (self._waiting.maxlen or 0):
+            return False
+        missing = np.mean([each.status >= Status.MISSING for each in self._waiting], axis=0)
+        if missing.max() > _MISSED:
             return False
         take = from_frames(list(self._waiting), self._config.rate, header_of(self._config, ""))
         if np.degrees(spread(take.rotations, take.frames)[0]) > _STILL:

@@ -3,7 +3,7 @@
 While a foot bears, it is carried by as much as its lowest part would move, part passing weight to part from heel to toe
 tip. Between two stances the carrying goes over smoothly from the one to the next while the foot is in the air; it is
 caught just before it lands and let go just after it leaves with the speed it has, so nothing pops. The foot keeps its
-rotation; hip and knee bend.
+rotation, held steady only where it lies flat; hip and knee bend.
 """
 
 from __future__ import annotations
@@ -18,19 +18,26 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import normalize, rotate
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.contact import bearing, foot_points, runs
+from ahmss.motion.contact import bearing, runs
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.hips import from_standing_parts
 from ahmss.motion.planting import feet
+from ahmss.motion.resample import continuous
 
 __all__ = ["Grounded", "ground"]
 
 _GAP = 0.15  # seconds; a foot that bears again so soon never left
+_FLAT = 0.012  # metres between the heights of a foot's parts at which it hardly lies flat
+_STEADY = 0.3  # seconds over which a foot that lies flat is held steady
+_NEVER = 1e-9
+_MIRROR = np.array([1.0, -1.0, 1.0])
 _OFF = 0.01  # metres over the height at which it stands where a foot has left the ground
 _EASE = 0.06  # seconds before a foot lands and after it leaves over which it is caught and let go
 _LOWEST = 0.008  # metres over its lowest part at which another part of a foot counts little
 _REACH = 0.995  # share of a leg's length that a foot which stands may ask for
+_STRAIGHT = 0.998  # the same for a leg that was straighter: the knee of a straight one jumps at a millimetre
 _SMOOTH = 0.05  # seconds over which hips go lower for a leg that is too short
 
 
@@ -53,7 +60,9 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
     """
     if root is None:
         root = from_standing_parts(skeleton, rotations, rate)
-    points = foot_points(skeleton, rotations, root)
+    wanted = feet(skeleton, rotations, root)
+    soles = np.stack([skeleton.soles, skeleton.soles * _MIRROR])
+    points = _points(wanted, soles)
     bears: Any = bearing(points.reshape(len(points), 6, 3), rate).reshape(-1, 2, 3).any(axis=-1)
     carried = np.zeros((len(root), 2, 3))
     stands = np.zeros((len(root), 2))
@@ -61,11 +70,27 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
         stances = _joined(_settled(points[:, foot, :, 2].min(axis=1), runs(bears[:, foot])), _GAP * rate)
         for first, end in stances:
             stands[first:end, foot] = 1.0
+        wanted[:, foot, 3:] = _steadied(wanted[:, foot, 3:], points[:, foot, :, 2], stands[:, foot], rate)
+        points[:, foot] = _points(wanted, soles)[:, foot]
         carried[:, foot] = _carried(points[:, foot], stances, rate)
-    wanted = feet(skeleton, rotations, root)
     wanted[..., :3] += carried
     root = _within_reach(skeleton, rotations, root, wanted, stands, rate)
     return Grounded(_solved(skeleton, rotations, root, wanted), root, stands)
+
+
+def _points(frames: Array, soles: Array) -> Array:
+    """Heel, ball and toe tip (F, 2, 3, 3) of feet whose links have the frames (F, 2, 7)."""
+    return frames[..., None, :3] + rotate(frames[..., None, 3:], soles)
+
+
+def _steadied(rotations: Array, heights: Array, stands: Array, rate: float) -> Array:
+    """A foot's rotations (F, 4), held steady where its three parts, at heights (F, 3), lie flat on the ground."""
+    flat = stands * np.exp(-((np.ptp(heights, axis=1) / _FLAT) ** 2))
+    share = gaussian_filter1d(flat, _SMOOTH * rate, mode="nearest")[:, None]
+    rotations = continuous(rotations)
+    summed = gaussian_filter1d(flat[:, None] * rotations, _STEADY * rate, axis=0, mode="nearest")
+    steady = normalize(summed + _NEVER * rotations)
+    return normalize((1.0 - share) * rotations + share * steady)
 
 
 def _settled(lowest: Array, stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -178,7 +203,7 @@ def _within_reach(
         thigh, shin, ankle = (INDEX[f"{side}_{link}"] for link in ("upper_leg", "lower_leg", "foot"))
         length = float(np.linalg.norm(skeleton.offsets[shin]) + np.linalg.norm(skeleton.offsets[ankle]))
         own = np.linalg.norm(places[:, ankle] - places[:, thigh], axis=-1)
-        length = np.maximum(_REACH * length, own)  # as straight as it was, it may be
+        length = np.maximum(_REACH * length, np.minimum(own, _STRAIGHT * length))
         away = places[:, thigh] - wanted[:, foot, :3]
         aside = np.minimum(np.linalg.norm(away[:, :2], axis=1), length)
         most = np.sqrt(length**2 - aside**2)
