@@ -37,7 +37,7 @@ _OFF = 0.01  # metres over the height at which it stands where a foot has left t
 _EASE = 0.06  # seconds before a foot lands and after it leaves over which it is caught and let go
 _LOWEST = 0.008  # metres over its lowest part at which another part of a foot counts little
 _REACH = 0.995  # share of a leg's length that a foot which stands may ask for
-_STRAIGHT = 0.998  # the same for a leg that was straighter: the knee of a straight one jumps at a millimetre
+_STRAIGHT = 0.9995  # the same for a leg that was straighter: the knee of a straight one jumps at a millimetre
 _SMOOTH = 0.05  # seconds over which hips go lower for a leg that is too short
 
 
