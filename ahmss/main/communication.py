@@ -42,6 +42,7 @@ class Communication:
         self.frame = 0
         self._own: dict[str, tuple[int, Array]] = {}
         self._complained: dict[str, int] = {}
+        self._lost: set[str] = set()
         self._said: dict[str, tuple[int, dict[str, StateValue]]] = {}
 
     @property
@@ -110,10 +111,22 @@ class Communication:
         """Whether the server hears; it is called again and again until it does."""
         return self.client.connected
 
+    def lose(self, name: str) -> None:
+        """This human has the object no longer. Frames with it that are on their way are refused, which is no news."""
+        self._lost.add(name)
+
+    @property
+    def refused(self) -> bool:
+        """Whether the server has refused something since `complaints` was asked."""
+        return bool(self.client.refusals)
+
     def complaints(self) -> list[str]:
         """What the server refused since the last time; what it says again and again comes once in `_AGAIN` frames."""
         said: list[str] = []
+        known = tuple(f"it does not hold {name}" for name in self._lost)
         for reason in self.client.refusals:
+            if reason.endswith(known):
+                continue
             kind = _NUMBER.sub("", reason)
             if self.frame >= self._complained.get(kind, 0):
                 self._complained[kind] = self.frame + _AGAIN
@@ -155,6 +168,7 @@ class Communication:
 
     def claim(self, name: str, hand: str) -> Pending:
         """Ask that only this human moves an object from now on."""
+        self._lost.discard(name)
         pending = self.client.begin(Claim(self.human, [name], hand))
         if self.lockstep:  # the others' frames wait for this one: nothing is held up that does not wait anyway
             with contextlib.suppress(WorldError):  # `pending` keeps the reason

@@ -85,11 +85,9 @@ class Control:
         """Give up what the server says this human has no longer, as after a restart that lost the claim."""
         granted = [mover for mover in self._movers.values() if mover.granted]
         held = self._communication.held() if granted else None
-        if held is not None:
-            for mover in granted:
-                if mover.name not in held:
-                    mover.granted = False  # so nothing is there to be released
-                    self._refuse(mover, f"{mover.name} is not this human's to move any more; take it again")
+        for mover in granted:
+            if held is not None and mover.name not in held:
+                self._give_up(mover)
 
     def close(self) -> None:
         """End all processes."""
@@ -99,6 +97,9 @@ class Control:
 
     def start_due(self) -> None:
         """Start the motions whose time has come, and ask them for their first frame."""
+        for mover in list(self._movers.values()):
+            if mover.granted and self._holder(mover):
+                self._give_up(mover)
         for motion in list(self._motions):
             if motion.process is None and motion.countdown > 0:
                 motion.countdown -= 1
@@ -226,6 +227,25 @@ class Control:
             self._fail(motion, f"{motion.order.title}: {reason}")
         self._silence(mover)
         self._forget(mover)
+
+    def _give_up(self, mover: Mover) -> None:
+        """The object is not this human's any more: let go of it at once, with the motions that need it in the hand."""
+        mover.granted = False  # so nothing is there to be released
+        self._communication.lose(mover.name)
+        holder = self._holder(mover)
+        now = f"{holder} has {mover.name} now" if holder else f"{mover.name} is not in the hand any more; take it again"
+        needing = [motion for motion in self._motions if motion.mover is mover or motion.keeps(mover.name)]
+        for motion in needing:
+            self._fail(motion, f"{motion.order.title}: {now}")
+        if not needing:
+            self._say(now)
+        self._silence(mover)
+        self._forget(mover)
+
+    def _holder(self, mover: Mover) -> str:
+        """Another human that has it, as far as is known here; "" where there is none."""
+        record = self._communication.world.objects.get(mover.name)
+        return record.holder if record is not None and record.holder != self._communication.human else ""
 
     def _next_seed(self) -> int:
         """A seed for one process: the same in every run of the same script."""

@@ -101,6 +101,10 @@ class Motion:
         self.failed = False
         self.held = 0
 
+    def keeps(self, name: str) -> bool:
+        """Whether it is made with that object in the hand."""
+        return self.order.object == name and self.order.affordance.hold == "keep"
+
     def take(self, row: Array) -> None:
         """Its next frame has come."""
         if self.given is None:

@@ -189,10 +189,9 @@ class MainProcess:
 
     def _listen(self) -> None:
         """What the server refused, and whether it is there."""
-        complaints = self.communication.complaints()
-        if complaints:
+        if self.communication.refused:
             self.control.reconcile()
-        for reason in complaints:
+        for reason in self.communication.complaints():
             self.trouble(reason)
         connected = self.communication.connected
         if connected != self._connected:
