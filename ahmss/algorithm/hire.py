@@ -83,7 +83,7 @@ def same_user(connection: socket.socket) -> bool:
 
 def _make(meeting: Meeting, linger: float) -> None:
     """Open the socket here, so that nobody has to wait for the pool to be up, and start the pool on it."""
-    meeting.remove()
+    meeting.clear()
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     with listener:
         listener.bind(str(meeting.socket))

@@ -27,7 +27,7 @@ import msgspec
 from ahmss.algorithm import ahead, worker
 from ahmss.algorithm.child import GREETING, Request
 from ahmss.algorithm.rehearsal import rehearse
-from ahmss.algorithm.runtime import Meeting, code_stamp
+from ahmss.algorithm.runtime import Meeting, code_stamp, sweep
 
 __all__ = ["main"]
 
@@ -96,11 +96,12 @@ class _Pool:
         self._close()
 
     def _read_ahead(self) -> None:
-        """Load what takes long to load and most algorithms want, once there are workers that do without."""
+        """Load what takes long to load and most algorithms want, once there are workers that do without; tidy up."""
         for name in _HEAVY:
             importlib.import_module(name)
         self._knowledge += 1
         gc.freeze()
+        sweep(self._meeting.socket.parent)
 
     def _patience(self) -> float:
         """Seconds until something may be due."""
@@ -223,8 +224,9 @@ class _Pool:
     def _close(self) -> None:
         """End. Who connects from here on makes a new pool."""
         lock = self._meeting.lock()
-        self._meeting.remove()
+        self._meeting.clear()
         self._listener.shutdown(socket.SHUT_RDWR)
+        self._meeting.remove()
         os.close(lock)
         for member in self._workers:
             member.notice.close()

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import hashlib
 import os
+import socket
 import stat
 import sys
 import tempfile
@@ -13,7 +15,7 @@ from pathlib import Path
 import ahmss
 from ahmss.errors import AlgorithmError
 
-__all__ = ["Meeting", "code_stamp", "private_directory"]
+__all__ = ["Meeting", "code_stamp", "private_directory", "sweep"]
 
 _PACKAGES = ("algorithm", "body", "motion")  # what the pool holds in memory
 
@@ -57,29 +59,74 @@ class Meeting:
 
     def use(self) -> int:
         """A descriptor that says, while it is open, that somebody uses the pool."""
-        descriptor = os.open(self.using, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        fcntl.flock(descriptor, fcntl.LOCK_SH)
-        return descriptor
+        return _locked(self.using, fcntl.LOCK_SH)
 
     def unused(self) -> bool:
         """Whether nobody uses the pool."""
-        descriptor = os.open(self.using, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.close(_locked(self.using, fcntl.LOCK_EX | fcntl.LOCK_NB))
         except BlockingIOError:
             return False
-        else:
-            return True
-        finally:
-            os.close(descriptor)
+        return True
 
     def lock(self) -> int:
         """A descriptor that holds the lock on making and ending the pool, until it is closed."""
-        descriptor = os.open(self.making, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        return descriptor
+        return _locked(self.making, fcntl.LOCK_EX)
 
-    def remove(self) -> None:
-        """Leave nothing but the locks, which others may be waiting for."""
+    def clear(self) -> None:
+        """Remove the socket and the log; with the lock held."""
         self.socket.unlink(missing_ok=True)
         self.log.unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        """Leave nothing; with the lock held, which is none from here on. Who uses the pool keeps its sign of that."""
+        self.clear()
+        with contextlib.suppress(BlockingIOError):
+            using = _locked(self.using, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self.using.unlink()
+            os.close(using)
+        self.making.unlink(missing_ok=True)
+
+
+def sweep(directory: Path) -> None:
+    """Remove what pools have left that were killed, or that knew not to."""
+    for stamp in {path.stem.removeprefix("pool-") for path in directory.glob("pool-*")}:
+        meeting = Meeting(directory, stamp)
+        try:
+            lock = _locked(meeting.making, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            continue
+        if meeting.unused() and not _answers(meeting.socket):
+            meeting.remove()
+        os.close(lock)
+
+
+def _locked(path: Path, operation: int) -> int:
+    """A descriptor that holds a lock on the file at the path; BlockingIOError where it was to be had at once and can't.
+
+    A file that was removed while this waited locks nothing: then it is made anew.
+    """
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(descriptor, operation)
+        except OSError:
+            os.close(descriptor)
+            raise
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(descriptor), path.stat()):
+                return descriptor
+        os.close(descriptor)
+
+
+def _answers(path: Path) -> bool:
+    """Whether somebody listens on the socket."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as stranger:
+        stranger.setblocking(False)
+        try:
+            stranger.connect(str(path))
+        except (FileNotFoundError, ConnectionRefusedError):
+            return False
+        except OSError:  # it has too much to do
+            return True
+    return True

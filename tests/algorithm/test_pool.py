@@ -8,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for
 from ahmss.algorithm.hire import Pool
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.process import Answer, Deadlines, Phase
-from ahmss.algorithm.runtime import Meeting, private_directory
+from ahmss.algorithm.runtime import Meeting, private_directory, sweep
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip, save
 
@@ -198,6 +199,38 @@ def test_a_pool_that_nobody_uses_ends(tmp_path):
     again = Pool(meeting, linger=0.1)
     assert meeting.socket.exists()
     again.close()
+    assert wait_for(lambda: not list(tmp_path.iterdir()), 20.0)
+
+
+def test_what_killed_pools_left_is_swept_away_and_what_is_used_stays(tmp_path):
+    for name in ("dead", "used", "taken"):
+        for path in vars(Meeting(tmp_path, name)).values():
+            path.touch()
+    locks = [Meeting(tmp_path, "used").use(), Meeting(tmp_path, "taken").lock()]
+    sweep(tmp_path)
+    left = {path.name.partition(".")[0] for path in tmp_path.iterdir()}
+    for lock in locks:
+        os.close(lock)
+    assert left == {"pool-used", "pool-taken"}
+
+
+def opened(path: Path) -> int:
+    """How often this process has the file open."""
+    return [os.path.realpath(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd")].count(str(path))
+
+
+def test_who_waits_for_a_lock_whose_file_is_removed_gets_one_that_counts(tmp_path):
+    meeting = Meeting(tmp_path, "busy")
+    first = meeting.lock()
+    taken: list[int] = []
+    other = threading.Thread(target=lambda: taken.append(meeting.lock()))
+    other.start()
+    assert wait_for(lambda: opened(meeting.making) > 1)
+    meeting.remove()
+    os.close(first)
+    other.join()
+    assert os.path.samestat(os.fstat(taken[0]), meeting.making.stat())
+    os.close(taken[0])
 
 
 def test_random_bytes_at_the_pools_socket_do_no_harm(own_pool, make_start):
