@@ -121,6 +121,9 @@ def simulate(
     stations: Annotated[int, typer.Option(help="How many of the 15 links bear a sensor.")] = 15,
     rate: Annotated[float, typer.Option(help="Frames a second.")] = 60.0,
     measurements: Annotated[float | None, typer.Option(help="Of a unit, a second; left out: its own.")] = None,
+    free_running: Annotated[
+        bool, typer.Option("--free-running", help="Units are not synchronised: one of fewer stations runs ahead.")
+    ] = False,
     baud: Annotated[int, typer.Option(help="Of every line.")] = 921_600,
     link: Annotated[list[Path] | None, typer.Option(metavar="PATH", help="A line's name; one for each.")] = None,
     address: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where datagrams go.")] = "127.0.0.1:12345",
@@ -147,7 +150,8 @@ def simulate(
     from ahmss.capture.session import simulate_tracker
 
     options: dict[str, Any] = {
-        "kind": kind, "lines": lines, "stations": stations, "rate": rate, "measurements": measurements, "baud": baud,
+        "kind": kind, "lines": lines, "stations": stations, "rate": rate, "measurements": measurements,
+        "synchronised": not free_running, "baud": baud,
         "names": tuple(link or ()), "address": address, "clock": clock, "after": after, "seed": seed,
         "mounted": not straight, "noise": noise, "boot": boot, "config_out": config_out, "truth": truth,
     }  # fmt: skip
