@@ -22,6 +22,7 @@ BAUDS = (115_200, 57_600, 38_400, 19_200, 9_600, 4_800, 2_400, 921_600)
 """Tried where the configured rate brings nothing: what FASTRAK's and Liberty's switches can set, commonest first."""
 
 _LISTEN = 2.0  # seconds of frames that are looked at
+_PATIENCE = 5.0  # seconds until the first of them
 
 
 @dataclass(frozen=True)
@@ -157,9 +158,9 @@ def _frames(config: TrackerConfig) -> list[Finding]:
 
 
 def _capture(tracker: Tracker) -> list[TrackerFrame]:
-    """The frames of two seconds, from the first one on; none where none comes in five."""
+    """The frames of two seconds, from the first one on; none where none comes."""
     frames: list[TrackerFrame] = []
-    end = time.monotonic() + 5.0
+    end = time.monotonic() + _PATIENCE
     while time.monotonic() < end:
         came = tracker.poll()
         if came and not frames:

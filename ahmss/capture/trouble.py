@@ -27,7 +27,7 @@ class Heard:
 
 def of_error(port: str, error: OSError) -> str:
     """Why a port can't be opened, or went away (pyserial's errors are OSErrors too)."""
-    number = error.errno
+    number = _number(error)
     if number == errno.ENOENT or (number is None and not os.path.exists(port)):
         others = ", ".join(sorted(other.device for other in list_ports.comports())) or "none"
         return f"{port}: no such port; plug the tracker in, or give another (this machine has: {others})"
@@ -65,3 +65,9 @@ def of_silence(config: TrackerConfig, line: LineConfig, heard: Heard, now: float
         f"{where}: not a byte comes; is the {device} switched on, is the cable plugged in at both ends, and is it the "
         "right cable (a FASTRAK wants a null modem)?"
     )
+
+
+def _number(error: OSError) -> int | None:
+    """The system's error number; pyserial keeps some of them in the error that it wraps."""
+    inner = error.__context__.args if error.__context__ else ()
+    return error.errno or next((part for part in inner[:1] if isinstance(part, int)), None)

@@ -25,7 +25,7 @@ from ahmss.capture.stations import Reading, Status, TrackerFrame
 from ahmss.capture.udp import Numbers
 
 RATE = 60.0
-LOOP = 600  # frames until the motion repeats
+LOOP = 240  # frames until the motion repeats
 LINKS = 15
 EVENTS = 1 / 500  # damages a byte of a line
 EVENTS_UDP = 1 / 5000
@@ -83,7 +83,7 @@ def motion() -> tuple[Array, Array]:
     """Places (LOOP, 15, 3) and rotations (LOOP, 15, 4) of a motion of up to 4 m/s, with a tracker's jitter."""
     rng = np.random.default_rng(5)
     turn = 2.0 * np.pi * np.arange(LOOP) / LOOP
-    beats = rng.integers(1, 12, (2, LINKS, 3))
+    beats = rng.integers(1, 5, (2, LINKS, 3))
     phases = rng.uniform(0.0, 2.0 * np.pi, (2, LINKS, 3))
     waves = np.sin(turn[:, None, None, None] * beats + phases)
     places = rng.uniform(-0.8, 0.8, (LINKS, 3)) + 0.35 * waves[:, 0] + rng.normal(0.0, 0.0013, (LOOP, LINKS, 3))
