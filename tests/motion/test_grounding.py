@@ -72,7 +72,7 @@ def test_who_stands_well_is_left_alone():
     root[:] = root[0]
     grounded = ground(HUMAN, rotations, root, RATE)
     assert np.abs(align(grounded.rotations, rotations) - rotations).max() < 0.04  # a straight knee gives 4 degrees
-    np.testing.assert_allclose(grounded.root, root, atol=1e-4)
+    np.testing.assert_allclose(grounded.root, root, atol=1e-3)
 
 
 @pytest.mark.parametrize("known", [True, False])
