@@ -113,10 +113,10 @@ class Port:
         parser.losses = self.losses
         assembler = Assembler(self._line.stations, self._config.rate, self.losses, numbering=numbering_of(self._config))
         answers = setup.ask(port, self._config, self._line)
-        self.heard = Heard(time.monotonic(), answers.heard, answers.status is not None, answers.stations)
         if answers.stations:
             assembler.expect(answers.stations)
         self._wait_for_others()
+        self.heard = Heard(time.monotonic(), answers.heard, answers.status is not None, answers.stations)
         port.reset_input_buffer()
         (self._poll if self._config.mode == "poll" else self._listen)(port, parser, assembler)
         port.write(setup.stop(self._config))

@@ -97,12 +97,15 @@ def quiet(port: serial.Serial, word: bytes) -> int:
 def _answer(
     port: serial.Serial, question: bytes, find: Callable[[bytes], T | None], patience: float
 ) -> tuple[T | None, int]:
-    """The answer found in what came, and how many bytes that was."""
-    port.write(question)
-    came, end = b"", time.monotonic() + patience
-    while time.monotonic() < end and len(came) < 65536:
-        came += port.read(max(1, port.in_waiting))
-        found = find(came)
-        if found is not None:
-            return found, len(came)
-    return None, len(came)
+    """The answer found in what came, and how many bytes that was; asks twice, as a line may damage an answer."""
+    heard = 0
+    for _ in range(2):
+        port.write(question)
+        came, end = b"", time.monotonic() + 0.5 * patience
+        while time.monotonic() < end and len(came) < 65536:
+            came += port.read(max(1, port.in_waiting))
+            found = find(came)
+            if found is not None:
+                return found, heard + len(came)
+        heard += len(came)
+    return None, heard
