@@ -13,6 +13,7 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.capture.calibration import Calibration, calibrate, link_rotations
 from ahmss.capture.repair import Gap, Jump, fill, gaps, jumps, mend
 from ahmss.capture.smoothing import smoothed
+from ahmss.capture.stations import TRACKED
 from ahmss.capture.take import Take
 from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.edit import begun_at_origin
@@ -63,11 +64,27 @@ class Captured:
                 f"the left and right sensors say that the subject faced {np.degrees(calibration.doubt):+.0f} degrees "
                 "from where --facing has it: give the right one, or --facing sensors"
             )
-        lines += [f"{gap.link}: nothing {_when(gap.first, gap.end, rate)}, filled" for gap in self.gaps]
+        for (begin, until), links in self._gaps_together().items():
+            lines.append(f"{_named(links)}: nothing {_when(begin, until, rate)}, filled")
         how = "mended" if self.mended else "left as it is; --mend puts a smooth way across"
         for jump in self.jumps:
             lines.append(f"{jump.link}: jumps by {jump.degrees:.0f} degrees {_when(jump.first, jump.end, rate)}, {how}")
         return lines
+
+    def _gaps_together(self) -> dict[tuple[int, int], list[str]]:
+        """The links that gave nothing, by the frames in which they did not."""
+        together: dict[tuple[int, int], list[str]] = {}
+        for gap in sorted(self.gaps, key=lambda gap: gap.first):
+            together.setdefault((gap.first, gap.end), []).append(gap.link)
+        return together
+
+
+def _named(links: list[str]) -> str:
+    """All that most have in common is said shortly."""
+    if len(links) == len(TRACKED):
+        return "all sensors"
+    others = [link for link in TRACKED if link not in links]
+    return f"all sensors but {', '.join(others)}" if len(others) < 4 else ", ".join(links)
 
 
 def _when(first: int, end: int, rate: float) -> str:
