@@ -21,6 +21,7 @@ from ahmss.capture.formats import liberty, ultratrak
 from ahmss.capture.formats.layout import Layout
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.simulator.console import Console
+from ahmss.capture.simulator.faults import Faults
 from ahmss.capture.simulator.options import SimulatorOptions
 from ahmss.capture.simulator.run import Simulator
 from ahmss.capture.simulator.stage import Stage
@@ -218,6 +219,23 @@ def test_quit_ends_it():
 def test_options_that_do_not_fit_open_no_line():
     with pytest.raises(CommandError, match="use 4 to 15"):
         Simulator(SimulatorOptions(subject(), kind="fastrak", lines=2), print)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"baud": 0}, "baud 0; it must be above 0"),
+        ({"baud": 12345}, "there are: 300, .*, 115200"),
+        ({"rate": float("nan")}, "rate nan"),
+        ({"measurements": -1.0}, "measurements -1"),
+        ({"boot": -1.0}, "0 seconds or more"),
+        ({"faults": Faults(flip=1.5)}, "flip 1.5; it is a share"),
+        ({"faults": Faults(weak={16})}, "no station 16; there are 1 to 15"),
+    ],
+)
+def test_what_can_not_be_is_one_sentence(options, words):
+    with pytest.raises(CommandError, match=words):
+        Simulator(SimulatorOptions(subject(), **options), print)
 
 
 def test_an_address_that_is_none_is_refused():

@@ -97,6 +97,27 @@ class SimulatorOptions:
     config_out: Path | None = None
     truth: Path | None = None
 
+    def check(self) -> None:
+        """Look whether all of it can be.
+
+        Raises:
+            CommandError: says what can't, and what can.
+        """
+        self.units()
+        numbers = {"rate": self.rate, "measurements": self.measurements or 1.0, "baud": self.baud}
+        for name, value in numbers.items():
+            if not 0.0 < value < math.inf:
+                raise CommandError(f"{name} {value:g}; it must be above 0")
+        if not self.boot >= 0.0:
+            raise CommandError(f"boot {self.boot:g}; it must be 0 seconds or more")
+        for name in ("drop", "double", "flip"):
+            share = getattr(self.faults, name)
+            if not 0.0 <= share <= 1.0:
+                raise CommandError(f"{name} {share:g}; it is a share of all bytes, 0 to 1")
+        strangers = (self.faults.weak | self.faults.silent) - set(range(1, self.stations + 1))
+        if strangers:
+            raise CommandError(f"no station {min(strangers)}; there are 1 to {self.stations}")
+
     @property
     def frames_a_second(self) -> float:
         """Of the slowest unit, when all of its stations are active: as set, and as its model and measurements allow."""

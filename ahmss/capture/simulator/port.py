@@ -29,6 +29,13 @@ class Port:
     """The device's end of the cable. Plugged in it has a name, and that name may be a link that stays the same."""
 
     def __init__(self, link: Path | None, baud: int) -> None:
+        """Args: the name that stays, if there is to be one; the device's rate.
+
+        Raises:
+            CommandError: a pseudo-terminal has no such rate.
+        """
+        if baud not in _CODE:
+            raise CommandError(f"{baud} baud; there are: {', '.join(map(str, sorted(_CODE)))}")
         self._link, self._baud = link, baud
         self._device, self._name = -1, ""
         self._kept = -1  # a hold on the other end, so that the line lives on when its reader closes it
@@ -61,7 +68,7 @@ class Port:
         self._name = os.ttyname(self._kept)
         tty.setraw(self._kept)
         settings = termios.tcgetattr(self._kept)
-        settings[_SPEED_IN] = settings[_SPEED_OUT] = _CODE.get(self._baud, termios.B38400)
+        settings[_SPEED_IN] = settings[_SPEED_OUT] = _CODE[self._baud]
         termios.tcsetattr(self._kept, termios.TCSANOW, settings)
         os.set_blocking(self._device, False)
         if self._link is not None:

@@ -61,6 +61,7 @@ class Simulator:
         Raises:
             CommandError: the options do not fit together.
         """
+        options.check()
         self._options, self._say = options, say
         self._console = Console(options)
         stage = Stage(options)
