@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import operator
 import threading
 from collections import deque
@@ -15,6 +16,7 @@ from ahmss.main.database import find_object
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest
+from ahmss.world.schema import Request
 
 if TYPE_CHECKING:
     from ahmss.main.process import MainProcess, Setup
@@ -118,8 +120,7 @@ class Agenda:
             case Remove(name=name):
                 scene = self._main.communication
                 name = find_object(scene, name)
-                pending = scene.client.begin(RemoveRequest(name))
-                self._await(pending, step, f"{name} is gone", lambda: name in scene.objects)
+                self._change(RemoveRequest(name), step, f"{name} is gone", lambda: name in scene.objects)
             case Set() as line:
                 self._set(line, step)
             case Human(name=name):
@@ -195,6 +196,16 @@ class Agenda:
         if value is None:
             raise CommandError(f'{name} {line.state} can\'t be "{line.value}"; allowed: {state.allowed}')
         self._await(scene.set_state(name, line.state, value), step, f"{name} {line.state} is {value}")
+
+    def _change(self, request: Request, step: Step, then: str, unseen: Callable[[], bool] = bool) -> None:
+        """Ask the server to change the scene; in lockstep at once, so that no frame shows it half set."""
+        client = self._main.communication.client
+        pending = client.begin(request)
+        if self._setup.lockstep:
+            with contextlib.suppress(WorldError):  # `pending` keeps the reason
+                client.finish(pending)
+                client.refresh()
+        self._await(pending, step, then, unseen)
 
     def _await(self, pending: Pending, step: Step, then: str = "", unseen: Callable[[], bool] = bool) -> None:
         """Wait for the server's answer, and until its effect is not `unseen` here, without stopping the frames."""

@@ -204,6 +204,17 @@ def test_a_server_that_forgot_the_world_does_not_freeze_the_human(
     assert len(main.report.messages) <= 3, main.report.messages
 
 
+def test_a_recording_begins_when_the_scene_is_set(workspace: Path, tmp_path: Path) -> None:
+    script = tmp_path / "two.txt"
+    script.write_text(TWO.replace("ken: do b take", "add box as d\nremove d\nadd box as e at 0 2 0\nken: do b take", 1))
+    play_script(script, PlaySetup(fast=True, record=tmp_path / "1.rec", workspace=workspace))
+    world = World()
+    with Reader(tmp_path / "1.rec") as reader:
+        reader.show(0, world)
+        assert set(world.objects) == {"b", "c", "e"}
+        assert set(world.humans) == {"ken", "aiko"}
+
+
 def test_a_script_that_was_played_before_on_this_server_says_so_in_one_sentence_and_begins_afresh_where_asked(
     workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path
 ) -> None:
