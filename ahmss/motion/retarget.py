@@ -2,7 +2,8 @@
 
 Rotations are kept; what must meet something is then solved for. Hips and feet keep their way, in leg lengths, so that
 strides fit the legs. Hands keep their place as seen from the shoulder, in arm lengths, except across the body, where
-what lies between the shoulders is measured by their width: hands that met in the middle still do.
+what lies between the shoulders is measured by their width: hands that met in the middle still do. Within 2 cm of that
+the elbows keep their bend.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from ahmss.motion.refining import standing
 __all__ = ["arm_length", "hand_places", "leg_length", "own_arm_length", "own_leg_length", "retarget"]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_STRAIGHT, _CORNER = 0.99, 0.006  # share of the arm's length; metres over which it is approached
-_BEYOND = 0.004  # metres that a hand may be beyond reach; the arm then only points at it
+_SLACK = 0.015  # metres that a hand may be off for its elbow's sake
+_BEYOND = 0.016  # metres that a hand may be beyond reach; the arm then only points at it
 _MOST_SHIFT, _STEPS = 0.03, 60  # metres by which shoulders may be shifted for that
 _SOFT = 0.03  # metres over which the scale across the body changes at the shoulder
 _FEET = [INDEX["right_foot"], INDEX["left_foot"]]
@@ -120,31 +121,25 @@ def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Ar
     hands = rotate(trunk, body.places[:, _HANDS] - neck)
     shoulders = _pivots(body, hands, np.median(rotate(trunk, body.places[:, _SHOULDERS] - neck), axis=0))
     hands = hands - shoulders
-    own = own_arm_length(skeleton)
-    scale = own / arm_length(body)
+    scale = own_arm_length(skeleton) / arm_length(body)
     half, own_half = float(np.ptp(shoulders[:, 1])) / 2.0, float(np.ptp(skeleton.offsets[_SHOULDERS, 1])) / 2.0
     outward = np.array([-1.0, 1.0])
     placed = scale * hands
     placed[..., 1] = outward * _across(outward * hands[..., 1], own_half / half, scale)
     places, world = forward(rotations, root, skeleton.offsets)
-    placed *= _within_reach(placed, np.linalg.norm(places[:, _HANDS] - places[:, _SHOULDERS], axis=-1), own)[..., None]
+    placed = _with_elbows_kept(placed, np.linalg.norm(places[:, _HANDS] - places[:, _SHOULDERS], axis=-1))
     return places[:, _SHOULDERS] + rotate(world[:, None, _SPINE], placed)
 
 
-def _within_reach(placed: Array, given: Array, reach: float) -> Array:
-    """What hands (F, 2, 3) from the shoulder are to be scaled by (F, 2), so that no elbow snaps straight.
+def _with_elbows_kept(placed: Array, given: Array) -> Array:
+    """Places of hands (F, 2, 3) from the shoulder, nearer or farther by up to `_SLACK`, so that elbows bend as they did.
 
-    An elbow gets no straighter than the performer's own, which leaves the hand `given` (F, 2) metres away, or than is
-    usual; on the way there it slows down.
+    Where the performer's shoulder moved on the trunk, the elbow makes up for it, by much when it is nearly straight.
+    `given` (F, 2) is how far away the hand is with the performer's own elbow, metres.
     """
     far = np.linalg.norm(placed, axis=-1)
-    farthest = np.maximum(given, _STRAIGHT * reach)
-    return (far - _softly_over(far - farthest)) / np.maximum(far, 1e-9)
-
-
-def _softly_over(over: Array) -> Array:
-    """What is over nought, without a corner."""
-    return 0.5 * (over + np.sqrt(over * over + _CORNER * _CORNER))
+    kept = far + _SLACK * np.tanh((given - far) / _SLACK)
+    return placed * (kept / np.maximum(far, 1e-9))[..., None]
 
 
 def _pivots(body: BodyMotion, hands: Array, usual: Array) -> Array:

@@ -113,11 +113,12 @@ def test_joints_are_where_they_were_and_links_turned_as_they_were(tmp_path, perf
     assert np.linalg.norm(body.places - places[:, :15], axis=-1)[:, limbs].max() < 0.03
     apart = dict(zip(TRACKED, degrees_apart(body.rotations, world[:, :15]).max(axis=0), strict=True))
     assert max(angle for link, angle in apart.items() if not link.endswith(("arm", "hand"))) < 3.0, apart
+    # An elbow that is nearly straight has no plane, so an upper arm's turn is known less well than its direction.
     along = [rotate(q, np.array([1.0, 0.0, 0.0])) for q in (body.rotations, world[:, :15])]
-    assert np.degrees(np.arccos(np.clip((along[0] * along[1]).sum(axis=-1), -1.0, 1.0))).max() < 6.0
-    # An elbow that is nearly straight has no plane, and one marker at a wrist says nothing of the forearm's turn.
+    aside = np.degrees(np.arccos(np.clip((along[0] * along[1]).sum(axis=-1), -1.0, 1.0))).max(axis=0)
+    assert max(angle for link, angle in zip(TRACKED, aside, strict=True) if link.endswith("arm")) < 6.0
     assert max(apart["right_upper_arm"], apart["left_upper_arm"]) < 20.0, apart
-    if rename is not helen_hayes:
+    if rename is not helen_hayes:  # one marker at a wrist says nothing of the forearm's turn and of the hand
         assert max(apart["right_lower_arm"], apart["right_hand"], apart["left_hand"]) < 6.0, apart
 
 
