@@ -37,6 +37,8 @@ def skin_weights(figure: Figure, points: Array, faces: NDArray[np.int64]) -> tup
             weights[rows, INDEX[name.replace("right", side)]] += column
     _share_legs(weights, points, figure)
     weights = _smooth(weights, points, faces)
+    for side in ("right", "left"):
+        _free_knuckles(weights, side)
     return _four(weights)
 
 
@@ -134,6 +136,18 @@ def _share_legs(weights: Array, points: Array, figure: Figure) -> None:
     both = weights[rows, right] + weights[rows, left]
     to_left = _step(points[rows, 1], 0.014 * figure.height)
     weights[rows, right], weights[rows, left] = both * (1.0 - to_left), both * to_left
+
+
+def _free_knuckles(weights: Array, side: str) -> None:
+    """What thumb and index would both pull is the palm's: a thumb that opposes drags no knuckle along."""
+    thumb = weights[:, [INDEX[f"{side}_thumb_{segment}"] for segment in FINGERS["thumb"]]]
+    beside = [f"{side}_index_{segment}" for segment in FINGERS["index"]] + [f"{side}_middle_proximal"]
+    whole = thumb.sum(axis=1)
+    both = np.minimum(whole, weights[:, [INDEX[name] for name in beside]].sum(axis=1))
+    kept = 1.0 - both / np.maximum(whole, 1e-9)
+    for i, segment in enumerate(FINGERS["thumb"]):
+        weights[:, INDEX[f"{side}_thumb_{segment}"]] = thumb[:, i] * kept
+    weights[:, INDEX[f"{side}_hand"]] += both
 
 
 def _smooth(weights: Array, points: Array, faces: NDArray[np.int64]) -> Array:
