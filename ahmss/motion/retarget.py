@@ -132,7 +132,7 @@ def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Ar
 
 
 def _with_elbows_kept(placed: Array, given: Array) -> Array:
-    """Places of hands (F, 2, 3) from the shoulder, nearer or farther by up to `_SLACK`, so that elbows bend as they did.
+    """Places of hands (F, 2, 3) from the shoulder, nearer or farther by up to `_SLACK`, so that elbows bend as before.
 
     Where the performer's shoulder moved on the trunk, the elbow makes up for it, by much when it is nearly straight.
     `given` (F, 2) is how far away the hand is with the performer's own elbow, metres.
