@@ -11,7 +11,7 @@ from ahmss.algorithm import Transform
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
-from ahmss.body.quaternion import normalize, rotate
+from ahmss.body.quaternion import normalize
 from ahmss.body.skeleton import Skeleton
 from ahmss.world.recording import Reader
 from ahmss.world.view import World
@@ -64,15 +64,3 @@ class Recorded:
     def object(self, name: str) -> Transform:
         """An object's frame at each frame."""
         return Transform.of(self.objects[name])
-
-    def gap(self, link: int, axis: Transform, radius: float, height: float) -> Array:
-        """The distance (F,) between a link's skin and the wall of an upright cylinder, negative where it sinks in."""
-        places, turned = self.links
-        along = np.linspace(0.0, 1.0, 17)[:, None] * self.skeleton.tips[link]
-        points = places[:, link, None] + rotate(turned[:, link, None], along)
-        seen = Transform(axis.place[:, None], axis.rotation[:, None]).inverse().apply(points)
-        level = np.hypot(seen[..., 0], seen[..., 1]) - radius
-        above = np.maximum(seen[..., 2] - height, -seen[..., 2])
-        outside = np.hypot(np.maximum(level, 0.0), np.maximum(above, 0.0))
-        distance = np.where(np.maximum(level, above) < 0.0, np.maximum(level, above), outside)
-        return distance.min(axis=1) - self.skeleton.radii[link]
