@@ -24,6 +24,7 @@ from ahmss.motion.resample import continuous
 __all__ = ["Captured", "Choices", "clip_of", "joint_rotations"]
 
 _TURNED_AWAY = np.radians(15.0)  # the places of the sensors tell the heading to about 5 degrees
+_PARENTS = list(PARENTS[1 : len(TRACKED)])
 _RESTLESS = 1.0  # degrees RMS
 
 
@@ -112,7 +113,8 @@ def clip_of(take: Take, skeleton: Skeleton, choices: Choices | None = None, post
     whole = smoothed(whole, choices.cutoff)
     calibration = calibrate(whole, posture, choices.upright, choices.facing)
     links = link_rotations(whole.world_rotations(), calibration.sensor_to_link)
-    grounded = ground(skeleton, joint_rotations(skeleton, links), None, take.rate)
+    fingers = skeleton.relaxed()[0][len(TRACKED) :]
+    grounded = ground(skeleton, continuous(joint_rotations(links, fingers)), None, take.rate)
     clip = Clip(
         rotations=grounded.rotations,
         root=grounded.root,
@@ -124,13 +126,16 @@ def clip_of(take: Take, skeleton: Skeleton, choices: Choices | None = None, post
     return Captured(derive(begun_at_origin(clip), skeleton), calibration, missing, jumping, choices.mend)
 
 
-def joint_rotations(skeleton: Skeleton, world: Array) -> Array:
-    """Rotations parent <- child (F, 43, 4) of world rotations (F, 15, 4); the fingers are relaxed."""
-    relaxed, _ = skeleton.relaxed()
+def joint_rotations(world: Array, fingers: Array) -> Array:
+    """Rotations parent <- child (..., 43, 4) of the tracked links' world rotations (..., 15, 4).
+
+    Args:
+        world: (..., 15, 4) unit quaternions, world <- link.
+        fingers: (28, 4) what nobody measures, parent <- child: those of a relaxed hand.
+    """
     tracked = world.shape[-2]
     out = np.empty((*world.shape[:-2], len(LINKS), 4))
-    out[..., tracked:, :] = relaxed[tracked:]
+    out[..., tracked:, :] = fingers
     out[..., 0, :] = world[..., 0, :]
-    parents = list(PARENTS[1:tracked])
-    out[..., 1:tracked, :] = multiply(conjugate(world[..., parents, :]), world[..., 1:, :])
-    return continuous(normalize(out)) if out.ndim == 3 else normalize(out)
+    out[..., 1:tracked, :] = multiply(conjugate(world[..., _PARENTS, :]), world[..., 1:, :])
+    return normalize(out)

@@ -21,7 +21,7 @@ from ahmss.capture.clipping import joint_rotations
 from ahmss.capture.config import TrackerConfig
 from ahmss.capture.device import Tracker
 from ahmss.capture.record import header_of, interruptible
-from ahmss.capture.stations import Status, TrackerFrame
+from ahmss.capture.stations import TRACKED, Status, TrackerFrame
 from ahmss.capture.take import from_frames
 from ahmss.database.records import HumanModel
 from ahmss.database.shape import Shape
@@ -86,7 +86,8 @@ class Performer:
     """
 
     def __init__(self, skeleton: Skeleton, config: TrackerConfig, puppet: Puppet) -> None:
-        self._skeleton, self._config, self._puppet = skeleton, config, puppet
+        self._config, self._puppet = config, puppet
+        self._fingers = skeleton.relaxed()[0][len(TRACKED) :]
         self._waiting: deque[TrackerFrame] = deque(maxlen=max(round(config.rate), 2))
         self._turns: Array | None = None
         self._turn = np.array([1.0, 0.0, 0.0, 0.0])
@@ -105,7 +106,7 @@ class Performer:
         assert self._turns is not None
         sensors = multiply(self._config.transmitter.rotation, frame.rotations)
         links = multiply(self._turn, link_rotations(sensors, self._turns))
-        self._last = align(joint_rotations(self._skeleton, links), self._last)
+        self._last = align(joint_rotations(links, self._fingers), self._last)
         since, self._number = max(frame.number - self._number, 1), frame.number
         return self._hips.step(self._last, since)
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, solve
+from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.contact import foot_points
 from ahmss.motion.planting import feet
 
 __all__ = ["HipsOnline"]
@@ -19,6 +19,7 @@ _LOWEST = 0.5  # of the weight that height gives
 _SLOW = 0.3  # metres a second, the same for its speed over the ground
 _PASSING = 0.03  # seconds over which the weight passes from one part to the next
 _NOBODY = 1e-3  # a weight of all parts together below which the hips go on as they went
+_SUNK = 5e-4  # metres that a foot may be in the floor
 _ORIGIN = np.zeros(3)
 
 
@@ -36,6 +37,7 @@ class HipsOnline:
 
     def __init__(self, skeleton: Skeleton, rate: float, place: Array) -> None:
         self._skeleton, self._rate = skeleton, rate
+        self._soles = np.stack([skeleton.soles, skeleton.soles * np.array([1.0, -1.0, 1.0])])
         self._share = 1.0 - math.exp(-1.0 / (_PASSING * rate))
         self._ground = np.asarray(place, float).copy()
         self._speed = np.zeros(2)
@@ -53,7 +55,9 @@ class HipsOnline:
         Returns:
             rotations (43, 4), a sinking foot lifted, and root (3,), metres.
         """
-        parts = foot_points(self._skeleton, rotations, _ORIGIN)[:, :2].reshape(4, 3)
+        frames_of_feet = feet(self._skeleton, rotations, _ORIGIN)
+        points = frames_of_feet[:, None, :3] + rotate(frames_of_feet[:, None, 3:], self._soles)
+        parts = points[:, :2].reshape(4, 3)
         height = parts[:, 2] - parts[:, 2].min()
         low = np.exp(-((height / _LOW) ** 2))
         share = 1.0 - (1.0 - self._share) ** frames
@@ -71,15 +75,16 @@ class HipsOnline:
             self._below += share * (float((bearing * parts[:, 2]).sum() / bearing.sum()) - self._below)
         self._parts = parts
         root = np.array([*self._ground, -self._below])
-        return self._lifted(rotations, root), root
+        sunk = self._below - points[..., 2].min(axis=-1)
+        if sunk.max() > _SUNK:
+            rotations = self._lifted(rotations, root, frames_of_feet, np.maximum(sunk, 0.0))
+        return rotations, root
 
-    def _lifted(self, rotations: Array, root: Array) -> Array:
-        """The pose with the feet that would sink on the floor."""
-        sunk = -foot_points(self._skeleton, rotations, root)[..., 2].min(axis=-1)
-        if sunk.max() <= 0.0:
-            return rotations
+    def _lifted(self, rotations: Array, root: Array, foot_frames: Array, sunk: Array) -> Array:
+        """The pose with the feet, of frames (2, 7) seen from the hips, on the floor in which they have sunk."""
         targets = np.zeros((5, 8))
-        for row, foot in ((RIGHT_FOOT, 0), (LEFT_FOOT, 1)):
-            targets[row, :7], targets[row, 7] = feet(self._skeleton, rotations, root)[foot], float(sunk[foot] > 0.0)
-            targets[row, 2] += max(float(sunk[foot]), 0.0)
+        targets[RIGHT_FOOT : LEFT_FOOT + 1, :7] = foot_frames
+        targets[RIGHT_FOOT : LEFT_FOOT + 1, :3] += root
+        targets[RIGHT_FOOT : LEFT_FOOT + 1, 2] += sunk
+        targets[RIGHT_FOOT : LEFT_FOOT + 1, 7] = sunk > 0.0
         return solve(self._skeleton, rotations, root, targets)
