@@ -75,7 +75,7 @@ def ask(port: serial.Serial, config: TrackerConfig, line: LineConfig, patience: 
     )
     heard += count
     stations: tuple[int, ...] | None = None
-    if status is not None:
+    if status is not None and not (config.kind == "fastrak" and len(line.stations) > 4):  # it tells of four only
         question = encode(config.kind, Command("station", 1))
         stations, count = _answer(port, question, lambda data: find_stations(config.kind, data), patience)
         heard += count
