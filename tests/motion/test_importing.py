@@ -43,8 +43,8 @@ def imported(name: str, on: str):
 
 
 @pytest.mark.parametrize("on", HUMANS)
-@pytest.mark.parametrize("name", WALKS)
-def test_imported_walks_slide_no_more_than_their_source(name, on):
+@pytest.mark.parametrize("name", CLIPS)
+def test_imported_feet_slide_no_more_than_their_source(name, on):
     clip, _ = imported(name, on)
     found = measure(clip.rotations, clip.root, clip.rate, human(on), clip.contacts).support
     source = measure_source(read_source(capture_path(name))).support
