@@ -13,6 +13,7 @@ from rich.table import Table
 
 from ahmss.database.algorithms import NotBuilt
 from ahmss.database.check import check
+from ahmss.database.objects import Listing
 from ahmss.database.records import AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
@@ -20,6 +21,7 @@ from ahmss.errors import CommandError
 __all__ = ["check_workspace", "list_workspace", "show_table"]
 
 Rows = list[dict[str, Any]]
+_ERROR = "error"
 
 
 def list_workspace(what: str, directory: Path | None, *, as_json: bool) -> None:
@@ -37,7 +39,7 @@ def list_workspace(what: str, directory: Path | None, *, as_json: bool) -> None:
         print(json.dumps(tables))
         return
     for title, rows in tables.items():
-        show_table(title, rows)
+        show_table(title, [{key: value for key, value in row.items() if key != _ERROR} for row in rows])
 
 
 def check_workspace(directory: Path | None, *, as_json: bool) -> int:
@@ -76,11 +78,17 @@ def show_table(title: str, rows: Rows) -> None:
 
 
 def _objects(workspace: Workspace) -> Rows:
-    return [{"name": entry.name, "sentence": entry.error or entry.sentence} for entry in workspace.objects.list()]
+    return [_row(entry) for entry in workspace.objects.list()]
 
 
 def _humans(workspace: Workspace) -> Rows:
-    return [{"name": entry.name, "sentence": entry.error or entry.sentence} for entry in workspace.humans.list()]
+    return [_row(entry) for entry in workspace.humans.list()]
+
+
+def _row(entry: Listing) -> dict[str, Any]:
+    """What is wrong stands where a person looks for the sentence, and by itself for a program."""
+    row = {"name": entry.name, "sentence": entry.error or entry.sentence}
+    return row | ({_ERROR: entry.error} if entry.error else {})
 
 
 def _algorithms(workspace: Workspace) -> Rows:

@@ -338,6 +338,16 @@ def test_the_version_and_where_errors_come_from_are_offered() -> None:
     assert "Traceback" in run("play", "nothing.txt", "--debug").stderr
 
 
+def test_the_list_tells_what_is_wrong_with_a_kind(workspace: Path) -> None:
+    (workspace / "objectdb" / "loop").mkdir()
+    (workspace / "objectdb" / "loop" / "object.toml").write_text('name = "loop"\n[[contains]]\nkind = "loop"\n')
+    fault = "objectdb/loop/object.toml: contains[0].kind: a circle: loop contains loop; take one of them out"
+    box, loop = json.loads(run("list", "objects", "--json", "--workspace", str(workspace)).stdout)["objects"]
+    assert "error" not in box
+    assert loop["error"] == fault
+    assert f"loop\t{fault}" in run("list", "objects", "--workspace", str(workspace)).stdout.splitlines()
+
+
 def test_lists_and_checks_are_json_where_asked(workspace: Path) -> None:
     kinds = json.loads(run("list", "--json", "--workspace", str(workspace)).stdout)
     assert [kind["name"] for kind in kinds["objects"]] == ["box"]
