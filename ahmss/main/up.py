@@ -15,7 +15,7 @@ from ahmss.main.console import run_console
 from ahmss.main.demo import has_display
 from ahmss.main.process import Setup
 from ahmss.world.address import Address, parse
-from ahmss.world.ports import free_port, is_taken
+from ahmss.world.ports import check_host, free_port, is_taken
 from ahmss.world.process import ServerProcess
 
 __all__ = ["KeptServer", "run_up"]
@@ -91,6 +91,7 @@ def run_up(human: str, body: str, scene: str, address: str, workspace: Path | No
 def _server(address: Address) -> KeptServer:
     """The server, on this machine and for it alone."""
     if not address.is_loopback:
+        check_host(address)
         raise CommandError(
             f"`ahmss up` listens for this machine alone, as on 127.0.0.1:{address.port}, not on {address}; for others: "
             f"ahmss keys, ahmss server --address {address} --keys keys, then ahmss main and ahmss view"

@@ -1,4 +1,4 @@
-"""Ports of this machine: which are taken, and where a server finds its two."""
+"""Hosts and ports of this machine: which there are, which are taken, and where a server finds its two."""
 
 from __future__ import annotations
 
@@ -6,12 +6,20 @@ import errno
 import socket
 
 from ahmss.errors import WorldError
-from ahmss.world.address import Address
+from ahmss.world.address import PORT, Address
 
-__all__ = ["free_port", "is_taken"]
+__all__ = ["check_host", "free_port", "is_taken"]
 
 _STEP = 100  # from one server to the next that is proposed
 _LAST = 65_000
+
+
+def check_host(address: Address) -> None:
+    """WorldError: the host is neither a number nor a name that is known here."""
+    try:
+        socket.getaddrinfo(address.host.strip("[]"), None)
+    except OSError:
+        raise WorldError(f'"{address.host}" is no address that is known here; write it as 127.0.0.1:{PORT}') from None
 
 
 def is_taken(address: Address) -> bool:

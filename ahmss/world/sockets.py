@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from socket import getaddrinfo
 
 import zmq
 
@@ -12,6 +11,7 @@ from ahmss.world.address import Address
 from ahmss.world.doorkeeper import Doorkeeper
 from ahmss.world.keys import ServerKeys
 from ahmss.world.link import LARGEST_MESSAGE
+from ahmss.world.ports import check_host
 from ahmss.world.schema import Done, Reply, encode
 
 __all__ = ["WAIT_MS", "Sockets"]
@@ -33,8 +33,7 @@ class Sockets:
 
     def __init__(self, address: Address, keys: ServerKeys | None) -> None:
         if keys is None and not address.is_loopback:
-            if not _is_known(address.host):
-                raise WorldError(f'"{address.host}" is no address of this machine; write HOST:PORT, as 127.0.0.1:7417')
+            check_host(address)
             raise WorldError(
                 f"a server that listens on {address.host} can be reached from other machines and needs keys; "
                 "make them with `ahmss keys`, or listen on 127.0.0.1"
@@ -127,15 +126,6 @@ class Sockets:
                 raise  # other machines are let through to these two ports
             self.publisher.bind(anywhere)
         return Address(address.host, port), _port(self.publisher)
-
-
-def _is_known(host: str) -> bool:
-    """Whether a host is a number, or a name that is known here."""
-    try:
-        getaddrinfo(host.strip("[]"), None)
-    except OSError:
-        return False
-    return True
 
 
 def _port(listener: zmq.Socket[bytes]) -> int:
