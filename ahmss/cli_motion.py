@@ -57,6 +57,8 @@ def importance(
         from ahmss.main.cliptools import Output, derive_file
 
         derive_file(clip, body, workspace, Output(out, force))
+    elif out is not None:
+        raise typer.BadParameter("nothing is written without --derive", param_hint="-o")
     else:
         from ahmss.main.clipviews import show_importance
 

@@ -230,6 +230,7 @@ def test_importance_is_shown_and_derived(typed: Typed, wave: Path) -> None:
     assert rows["right_upper_arm"]["most"] > 0.8
     assert rows["left_upper_arm"]["most"] == 0.0
     assert rows["root"] == {"least": 0.0, "mean": 0.0, "most": 0.0}
+    assert typed("importance", wave, "-o", "other.npz")[0] == 2  # wrong usage: nothing to write
 
 
 def test_a_table_is_added(typed: Typed, wave: Path) -> None:
