@@ -44,6 +44,7 @@ class HipsOnline:
         self._weight = np.full(4, 0.25)
         self._parts: Array | None = None
         self._below = 0.0
+        self._lift = np.zeros(2)  # of each foot, so that it does not sink; it fades
 
     def step(self, rotations: Array, frames: int = 1) -> tuple[Array, Array]:
         """The next pose on the ground.
@@ -75,16 +76,16 @@ class HipsOnline:
             self._below += share * (float((bearing * parts[:, 2]).sum() / bearing.sum()) - self._below)
         self._parts = parts
         root = np.array([*self._ground, -self._below])
-        sunk = self._below - points[..., 2].min(axis=-1)
-        if sunk.max() > _SUNK:
-            rotations = self._lifted(rotations, root, frames_of_feet, np.maximum(sunk, 0.0))
+        self._lift = np.maximum(self._below - points[..., 2].min(axis=-1), (1.0 - share) * self._lift)
+        if self._lift.max() > _SUNK:
+            rotations = self._lifted(rotations, root, frames_of_feet, self._lift)
         return rotations, root
 
-    def _lifted(self, rotations: Array, root: Array, foot_frames: Array, sunk: Array) -> Array:
-        """The pose with the feet, of frames (2, 7) seen from the hips, on the floor in which they have sunk."""
+    def _lifted(self, rotations: Array, root: Array, foot_frames: Array, lift: Array) -> Array:
+        """The pose with the feet, of frames (2, 7) seen from the hips, lifted by (2,) metres."""
         targets = np.zeros((5, 8))
         targets[RIGHT_FOOT : LEFT_FOOT + 1, :7] = foot_frames
         targets[RIGHT_FOOT : LEFT_FOOT + 1, :3] += root
-        targets[RIGHT_FOOT : LEFT_FOOT + 1, 2] += sunk
-        targets[RIGHT_FOOT : LEFT_FOOT + 1, 7] = sunk > 0.0
+        targets[RIGHT_FOOT : LEFT_FOOT + 1, 2] += lift
+        targets[RIGHT_FOOT : LEFT_FOOT + 1, 7] = lift > 0.0
         return solve(self._skeleton, rotations, root, targets)

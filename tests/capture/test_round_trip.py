@@ -41,8 +41,9 @@ def calibrated(take: Take, truth: dict[str, Array]) -> Calibration:
 
 def errors(take: Take, truth: dict[str, Array], found: Calibration) -> Array:
     """Degrees (F, 15) between the links as they come back and as they were."""
-    links = link_rotations(take.world_rotations(), found.sensor_to_link)
-    return degrees_between(links, truth["links"][: len(links)])
+    links, true = link_rotations(take.world_rotations(), found.sensor_to_link), truth["links"]
+    count = min(len(links), len(true))
+    return degrees_between(links[:count], true[:count])
 
 
 def test_real_motion_comes_back_and_the_mounts_are_found(tmp_path):
