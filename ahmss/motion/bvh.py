@@ -14,7 +14,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import IDENTITY, from_axis_angle, multiply
-from ahmss.motion.lines import Lines
+from ahmss.motion.lines import LARGEST, Lines
 from ahmss.motion.source import SourceMotion
 
 __all__ = ["read_bvh"]
@@ -162,8 +162,8 @@ def _values(lines: Lines, frames: int, channels: int) -> Array:
             values[frame] = words
         except ValueError:
             values[frame] = [lines.value(word) for word in words]
-        if not np.isfinite(values[frame]).all():
-            raise lines.error(f"frame {frame} has a number that is not finite")
+        if not (np.abs(values[frame]) <= LARGEST).all():
+            raise lines.error(f"frame {frame} has a number that is not finite, or larger than any place or angle")
     if lines.peek() is not None:
         raise lines.error(f"more follows the last of {frames} frames; Frames: must say how many there are")
     return values

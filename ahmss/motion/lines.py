@@ -9,7 +9,11 @@ from pathlib import Path
 
 from ahmss.errors import DataError
 
-__all__ = ["Lines"]
+__all__ = ["LARGEST", "Lines"]
+
+LARGEST = 1e7
+"""No place or angle in a file of motion is larger, whatever its unit."""
+
 
 _MOST_BYTES = 1_000_000_000
 
@@ -59,10 +63,10 @@ class Lines:
         return words
 
     def value(self, word: str) -> float:
-        """The finite number that a word is.
+        """The number that a word is.
 
         Raises:
-            DataError: it is none.
+            DataError: it is none, not finite, or larger than any place or angle.
         """
         try:
             value = float(word)
@@ -70,6 +74,8 @@ class Lines:
             raise self.error(f'"{word[:20]}" is not a number') from None
         if not math.isfinite(value):
             raise self.error(f'"{word[:20]}" is not a finite number')
+        if abs(value) > LARGEST:
+            raise self.error(f'"{word[:20]}" is larger than any place or angle')
         return value
 
     def error(self, message: str) -> DataError:
