@@ -13,7 +13,10 @@ from room_shapes.dxf_out import write_dxf, write_grid
 from room_shapes.pictures import write_pictures
 from room_shapes.solids import Piece
 
-MODELS = ("cup", "table", "chair", "door", "doorway", "television", "switch", "sink", "tap", "bed", "lamp", "bookshelf")
+MODELS = (
+    "cup", "table", "chair", "door", "doorway", "television", "switch", "sink", "tap", "bed", "lamp", "bookshelf",
+    "carton",
+)  # fmt: skip
 
 
 def main(workspace: Path) -> None:

@@ -184,7 +184,8 @@ class Control:
         mover = self._movers.get(order.object)
         hold = order.affordance.hold
         if mover is not None and hold == "release":
-            self._silence(mover)
+            if order.object_algorithm is None:  # else it goes on until the motion ends, as what is put down wants
+                self._silence(mover)
             return mover
         if order.object_algorithm is None or hold == "keep":
             return None

@@ -29,7 +29,7 @@ __all__ = ["CAPTURED", "clips", "take"]
 
 CAPTURED = {
     "door/open.npz": "door_open", "door/close.npz": "door_close", "chair/sit.npz": "sit",
-    "chair/stand_up.npz": "stand_up",
+    "chair/stand_up.npz": "stand_up", "carton/lift.npz": "lift", "carton/put_down.npz": "put_down",
 }  # fmt: skip
 """Which performance each clip of objectdb/ is captured from."""
 

@@ -308,3 +308,10 @@ def bookshelf() -> Model:
 
 def _quad(layer: str, corners: list[tuple[float, float, float]]) -> Piece:
     return Piece(layer, np.array(corners, float), [[0, 1, 2, 3]])
+
+
+def carton() -> Model:
+    """A closed cardboard box, 28 x 36 cm and 28 cm high, taped along the top; carried with a hand at either side."""
+    body = bevelled("cardboard", (-14, -18, 0), (14, 18, 28), 0.4)
+    tape = box("tape", (-2.5, -17.5, 27.9), (2.5, 17.5, 28.1), bottom=False)
+    return [body, tape], {"cardboard": (186, 148, 104), "tape": (206, 190, 150)}

@@ -59,6 +59,9 @@ PERFORMANCES: dict[str, Sight] = {
         "Sits down, waits a little, and stands up again.", 4.9, lambda s, p, t: _sit_and_stand_up(s, p.seat, t)
     ),
     "lift": Sight("Bends and lifts a box with both hands.", 2.95, lambda s, p, t: lift(s, p.box, t)),
+    "put_down": Sight(
+        "Lifts a box, and puts it down again.", 6.5, lambda s, p, t: lift(s, p.box, np.minimum(t, 6.5 - t))
+    ),
 }
 
 

@@ -86,7 +86,7 @@ def _hand(box: Box, side: str, free: Array, end: float, down: float, up: float) 
     at_box = np.array([box.ahead, aside, box.grasp])
     carried = np.array([_CARRIED[0], aside, end])
     place = free[:3] + down * (at_box - free[:3]) + up * (carried - at_box)
-    place[1] -= inwards * _FROM_ASIDE * 16.0 * down**2 * (1.0 - down) ** 2
+    place[1] -= inwards * _FROM_ASIDE * 4.0 * down * (1.0 - down)
     turned = slerp(_level(inwards, _FINGERS_AHEAD), _level(inwards, _CARRIED_AHEAD), up)
     return np.concatenate([place, slerp(free[3:], turned, float(minimum_jerk(np.array(down / 0.8)))), [1.0]])
 
