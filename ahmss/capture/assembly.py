@@ -16,8 +16,8 @@ Numbering = Literal["count", "order", "clock", "time"]
 where time went by; or the time alone, for lines that are not in step by themselves."""
 
 _WRAP = 1 << 32  # devices count in 32 bits
-_OFF = 1.2  # sweeps by which a number may differ from the time
-_LASTING = 4  # sweeps
+_OFF = 1.2  # sweeps by which a number may be behind the time
+_LASTING = 4  # sweeps of delay that are a loss, where other lines go on
 _BELIEVED = 3  # so many records that agree on another frame number are right
 
 
@@ -184,15 +184,15 @@ class _SweepClock:
 
     Arrivals are late at times, never early, so the earliest are believed: `base`, when sweep 0 would have come by them.
     It may drift by 0.5 % of a period a sweep, as clocks differ. What comes in a burst after a stall of this machine is
-    no loss. A strict clock keeps a line in step with others: it also holds back a device that is too fast, and follows
-    only what lasts, as a stall of a moment would cost two corrections.
+    no loss. A strict clock keeps a line in step with others: it also holds back a device that is too fast, and leaves a
+    gap only where the delay lasts, as after a stall of a moment it would have to make up for it.
     """
 
     def __init__(self, rate: float, *, strict: bool) -> None:
         self._period = 1.0 / rate
         self._strict = strict
         self._number = -1
-        self._astray = 0
+        self._behind = 0
         self._base: float | None = None
 
     def advance(self, count: int, arrival: float) -> int:
@@ -200,9 +200,11 @@ class _SweepClock:
         last = self._number + count
         base = arrival - last * self._period if self._base is None else self._base
         behind = (arrival - base) / self._period - last
-        self._astray = self._astray + 1 if abs(behind) > _OFF else 0
-        if self._astray >= _LASTING if self._strict else behind > _OFF:
-            last, self._astray = max(last + round(behind), self._number), 0
+        self._behind = self._behind + 1 if behind > _OFF else 0
+        if self._behind >= (_LASTING if self._strict else 1):
+            last += round(behind)
+        elif self._strict and behind < -1.0:
+            last = max(last - 1, self._number)
         creep = 0.005 * self._period * max(count, last - self._number)
         earliest = arrival - last * self._period
         lowest = base - creep if self._strict else earliest

@@ -164,12 +164,12 @@ def _check_lines(document: Document, config: TrackerConfig) -> None:
 TEMPLATE = """\
 # What is plugged in, and which sensor sits where. `ahmss capture doctor tracker.toml` checks it.
 
-kind = "{kind}"               # fastrak, liberty, patriot; or ultratrak, which sends datagrams
-format = "{format}"             # binary or ascii (fastrak only)
+kind = {kind:<23}# fastrak, liberty, patriot; or ultratrak, which sends datagrams
+format = {format:<21}# binary or ascii (fastrak only)
 orientation = "quaternion"    # or euler: azimuth, elevation, roll
 units = "cm"                  # or inch
 mode = "continuous"           # or poll: each frame is asked for
-rate = {rate}                     # frames a second
+rate = {rate:<23}# frames a second (a FASTRAK 120 / sensors, a Liberty 120 or 240)
 hemisphere = [1, 0, 0]        # the sensors stay in this half of space: x forward, y right, z down
 
 {lines}
@@ -187,7 +187,9 @@ def template(kind: Kind = "liberty") -> str:
     """A file to start from, with a comment beside every key."""
     stations = "\n".join(f"{link} = {number}" for number, link in enumerate(TRACKED, 1))
     form = "ascii" if kind == "fastrak" else "binary"
-    return TEMPLATE.format(kind=kind, format=form, rate=_RATES[kind], lines=_LINES[kind], stations=stations)
+    return TEMPLATE.format(
+        kind=f'"{kind}"', format=f'"{form}"', rate=_RATES[kind], lines=_LINES[kind], stations=stations
+    )
 
 
 def _lines(baud: int, most: int) -> str:
@@ -199,7 +201,7 @@ def _lines(baud: int, most: int) -> str:
     )
 
 
-_RATES: dict[Kind, int] = {"fastrak": 30, "liberty": 60, "patriot": 60, "ultratrak": 60}
+_RATES: dict[Kind, int] = {"fastrak": 30, "liberty": 120, "patriot": 60, "ultratrak": 60}
 _LINES: dict[Kind, str] = {
     "fastrak": _lines(115_200, 4),
     "liberty": _lines(921_600, 16),

@@ -149,10 +149,10 @@ def _frames(config: TrackerConfig) -> list[Finding]:
         where, _, cure = (silence or "the tracker: nothing came; look at its power and its cable").partition("; ")
         return [Finding("frames", False, where, cure)]
     rate = (len(frames) - 1) / max(1e-3, frames[-1].arrival - frames[0].arrival)
-    slow = rate < 0.9 * config.rate
-    cure = f"write rate = {rate:.0f}, or see what the line can carry" if slow else ""
+    slow, fast = rate < 0.9 * config.rate, rate > 1.1 * config.rate
+    cure = f"write rate = {rate:.0f}" + (", or see what the line can carry" if slow else "") if slow or fast else ""
     return [
-        Finding("frames", not slow, f"{rate:.1f} a second, the file says {config.rate:g}; {losses.sentence}", cure),
+        Finding("frames", not cure, f"{rate:.1f} a second, the file says {config.rate:g}; {losses.sentence}", cure),
         *_signal(config, frames),
     ]
 

@@ -141,7 +141,7 @@ class Gate:
             self._stamps = (stamp - merged.number * self._period, 0.0, merged.number)
         zero, last, frame = self._stamps
         time, expected = stamp - zero, last + (merged.number - frame) * self._period
-        if abs(time - expected) > 0.5 * self._period * max(1, merged.number - frame) or time < last:
+        if not last <= time <= last + 2.5 * (expected - last):
             zero, time = stamp - expected, expected  # a damaged stamp, or the device's clock was set
         self._stamps = (zero, time, merged.number)
         return time

@@ -46,7 +46,7 @@ def test_the_transmitter_stands_with_its_z_down():
         ("hips = 1", "hips = 2", "stations .*station 2 can't be on hips, spine at once"),
         ("hips = 1", "hips = 16", "stations.hips .*no line has station 16"),
         ("baud =", "bauds =", r"line.0..bauds .*no key .bauds. here, .*allowed: baud, parity, port, stations"),
-        ("rate = 60", "rate = 0", "rate .*0 frames a second; give 1 to 1000"),
+        ("rate = 120", "rate = 0", "rate .*0 frames a second; give 1 to 1000"),
         ("[1, 0, 0]", "[0, 0, 0]", "hemisphere .*points nowhere"),
         ('format = "binary"', 'format = "ascii"', "format .*liberty is read in binary"),
         ('kind = "liberty"', 'kind = "libertine"', "kind"),
