@@ -29,6 +29,7 @@ __all__ = ["TRACKED", "BodyMotion", "align", "upward"]
 TRACKED = LINKS[:15]
 _WAIST_SHARE = 0.19  # of the way from hips to neck, where our spine's joint lies (Drillis & Contini 1966)
 _NEXT = {"upper_arm": "lower_arm", "lower_arm": "hand", "upper_leg": "lower_leg", "lower_leg": "foot"}
+_STANDING = 0.9  # least cosine of trunk, thighs and shins to up in a zero pose that serves
 _UPRIGHT = 0.75  # least cosine of trunk, thighs and shins to up in a frame that serves
 _MEAN_OF, _NEARLY = 0.25, 0.1  # the best share of the frames, not worse than the best by more than this
 _X, _Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
@@ -167,16 +168,13 @@ def _references(
     axes = np.concatenate([up[None], np.eye(3), -np.eye(3)])
     standing = [float(_uprightness(parts, zero[None], axis)[0]) for axis in axes]
     best = int(np.argmax(standing))
-    if standing[best] > 0.9:
+    if standing[best] > _STANDING:
         identity = np.tile(IDENTITY, (len(source.names), 1))
         return [_Reference(zero, identity, _body(parts, zero, axes[best]))], "aligned by its zero pose"
     found = _uprightness(parts, places, up)
     if found.max() < _UPRIGHT:
-        raise DataError(
-            source.file,
-            "joints",
-            "nobody stands, neither in the zero pose nor in any frame; begin with a standing pose",
-        )
+        said = "nobody stands, neither in the zero pose nor in any frame; begin with a standing pose"
+        raise DataError(source.file, "joints", said)
     frames = np.argsort(-found)[: max(int(_MEAN_OF * len(found)), 1)]
     frames = frames[found[frames] >= found.max() - _NEARLY]
     said = f"nobody stands in its zero pose: aligned by its {len(frames)} most upright frames"
