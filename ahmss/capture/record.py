@@ -22,6 +22,7 @@ __all__ = ["Progress", "header_of", "interruptible", "rate_of", "record"]
 
 _LOOK = 0.004  # seconds between two looks at the tracker: a quarter of a frame at 60 Hz
 _TELL = 0.25  # seconds between two words on how far it is
+_GONE = 2.0  # seconds after its time is up for which a session waits for a tracker that fell silent
 _PATIENCE = 15.0  # seconds for the first frame: a device that was just switched on takes 10
 
 
@@ -102,7 +103,7 @@ def _listen(
     tracker: Tracker, frames: list[TrackerFrame], seconds: float | None, tell: Callable[[Progress], None], over: Event
 ) -> None:
     """Take in frames until it is enough."""
-    began = told = time.monotonic()
+    opened = began = told = time.monotonic()
     while not over.is_set():
         frames += tracker.poll()
         now = time.monotonic()
@@ -110,7 +111,10 @@ def _listen(
         if now - told >= _TELL:
             told = now
             tell(Progress(len(frames), past, tracker.silence, _troubled(frames)))
-        if (seconds is not None and past >= seconds) or (not frames and now - began > _PATIENCE):
+        began = now if not frames else began
+        if seconds is not None and (past >= seconds or (now - began > seconds + _GONE and tracker.silence)):
+            return
+        if not frames and now - opened > _PATIENCE:
             return
         time.sleep(_LOOK)
 
