@@ -17,7 +17,7 @@ from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.grounding import ground
 from ahmss.motion.markers import body_of_markers
 from ahmss.motion.naming import parts_of
-from ahmss.motion.refining import refined
+from ahmss.motion.refining import levelled, refined
 from ahmss.motion.retarget import arm_length, leg_length, own_arm_length, own_leg_length, retarget
 from ahmss.motion.source import SourceMotion
 from ahmss.motion.units import UNITS, guess_unit
@@ -25,6 +25,7 @@ from ahmss.motion.units import UNITS, guess_unit
 __all__ = ["import_clip", "read_body", "read_source"]
 
 _NAMED = 4  # joints that a report names
+_LEANING = 0.003  # rise over way of a floor that is worth a word
 _GUESSED = 0.1  # importance of fingers that nobody recorded
 
 
@@ -85,7 +86,7 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     if path.suffix.lower() == ".c3d":
         markers = read_c3d(path)
         body, report = body_of_markers(markers)
-        return refined(body), [f"C3D, {body.frames} frames of {len(markers.names)} markers", *report]
+        return _mended(body, [f"C3D, {body.frames} frames of {len(markers.names)} markers", *report])
     source = read_source(path)
     parts = parts_of(source)
     report = [f"{source.format}, {source.frames} frames, names as in {parts.family} files"]
@@ -104,7 +105,15 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     else:
         report.append(f"no known unit fits, so lengths are scaled to a person of {stature:.2f} m")
     body = BodyMotion(body.rotations, metres * body.places, metres * body.toes, body.rate)
-    return refined(body), [*report, *said]
+    return _mended(body, [*report, *said])
+
+
+def _mended(body: BodyMotion, report: list[str]) -> tuple[BodyMotion, list[str]]:
+    """The motion with what can be known from itself put right."""
+    body, slope = levelled(body)
+    if slope > _LEANING:
+        report.append(f"its floor leans by {100.0 * slope:.1f} %: levelled")
+    return refined(body), report
 
 
 def read_source(path: Path) -> SourceMotion:

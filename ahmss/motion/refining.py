@@ -15,9 +15,9 @@ from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import between, conjugate, from_axis_angle, multiply, rotate
 from ahmss.motion.alignment import BodyMotion
-from ahmss.motion.contact import speeds
+from ahmss.motion.contact import runs, speeds
 
-__all__ = ["refined", "standing"]
+__all__ = ["levelled", "refined", "standing"]
 
 _STILL = 0.25  # metres a second: a foot whose ankle and toes are both slower stands flat
 _LEAST = 0.1  # seconds of such frames
@@ -25,6 +25,9 @@ _MOST_TILT = np.radians(35.0)
 _BENT = np.radians(12.0)  # an elbow or knee that never bends by more shows no axis
 _ONE_AXIS = 0.9  # share of the bending that is about one axis
 _MOST_TURN = np.radians(60.0)
+_STANCES = 4  # as many show which way a floor leans
+_SURE = 0.15  # metres over which stances must be spread before a slope along them is believed
+_RAMP = 0.03  # rise over way
 _X, _UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
@@ -37,6 +40,29 @@ def refined(body: BodyMotion) -> BodyMotion:
         _hinge_knee(rotations, side)
     _level_soles(body, rotations)
     return replace(body, rotations=rotations)
+
+
+def levelled(body: BodyMotion) -> tuple[BodyMotion, float]:
+    """The motion over a level floor, and how steep the floor was: rise over way.
+
+    A room's axes lean a little where it was calibrated badly, and after a few steps the feet are centimetres over the
+    floor. The floor is the plane through the ankles of all stances; one as steep as a ramp is no fault and stays.
+    """
+    flat, ankles = standing(body), body.places[:, [INDEX["right_foot"], INDEX["left_foot"]]]
+    stances = [ankles[a:b, foot].mean(axis=0) for foot in range(2) for a, b in runs(flat[:, foot])]
+    if len(stances) < _STANCES:
+        return body, 0.0
+    middle = np.mean(stances, axis=0)
+    ways = np.array(stances) - middle
+    level = ways[:, :2]
+    slope = np.linalg.solve(level.T @ level + len(ways) * _SURE**2 * np.eye(2), level.T @ ways[:, 2])
+    steep = float(np.linalg.norm(slope))
+    if steep > _RAMP:
+        return body, 0.0
+    places, toes = body.places.copy(), body.toes.copy()
+    places[..., 2] -= (places[..., :2] - middle[:2]) @ slope
+    toes[..., 2] -= (toes[..., :2] - middle[:2]) @ slope
+    return replace(body, places=places, toes=toes), steep
 
 
 def standing(body: BodyMotion) -> NDArray[np.bool_]:

@@ -17,10 +17,11 @@ from ahmss.motion.bvh_out import write_bvh
 from ahmss.motion.contact import foot_points
 from ahmss.motion.importing import import_clip, read_body
 from ahmss.motion.naming import parts_of
-from ahmss.motion.refining import refined
+from ahmss.motion.refining import levelled, refined
 from ahmss.motion.retarget import retarget
 
 from .makers import RATE, remounted, save_bvh, stepping
+from .mocap import capture_path
 
 OTHERS = {"tall man": Skeleton.of(1.9, "male"), "small woman": Skeleton.of(1.5, "female")}
 BODY = [i for i, name in enumerate(TRACKED) if not name.endswith("hand")]
@@ -130,6 +131,19 @@ def test_elbows_bend_about_their_own_axis(file):
     mended = refined(replace(body, rotations=askew))
     assert degrees_apart(askew, body.rotations)[:, arm].min() > 29.0
     assert degrees_apart(mended.rotations, body.rotations)[:, arm].max() < 0.1
+
+
+def test_a_floor_that_leans_is_levelled_and_a_ramp_stays():
+    body, report = read_body(capture_path("B03"))
+    assert any("its floor leans by 0.8 %: levelled" in sentence for sentence in report)
+    for rise, left in ((0.02, 0.0), (-0.012, 0.0), (0.06, 0.06)):
+        leaning = body.places.copy(), body.toes.copy()
+        for places in leaning:
+            places[..., 2] += rise * places[..., 1]
+        mended, slope = levelled(replace(body, places=leaning[0], toes=leaning[1]))
+        rises = (mended.places[..., 2] - body.places[..., 2]) - left * body.places[..., 1]
+        assert np.ptp(rises) < 0.15 * abs(rise - left) * np.ptp(body.places[:, 0, 1]) + 1e-9
+        assert slope == pytest.approx(abs(rise - left), rel=0.15)
 
 
 def test_soles_are_level_while_they_stand(file):
