@@ -17,6 +17,7 @@ where time went by; or the time alone, for lines that are not in step by themsel
 
 _WRAP = 1 << 32  # devices count in 32 bits
 _OFF = 1.2  # sweeps by which a number may be behind the time
+_SETTLED = 8  # sweeps until the earliest arrivals are known
 _LASTING = 4  # sweeps of delay that are a loss, where other lines go on
 _BELIEVED = 3  # so many records that agree on another frame number are right
 
@@ -203,11 +204,11 @@ class _SweepClock:
         self._behind = self._behind + 1 if behind > _OFF else 0
         if self._behind >= (_LASTING if self._strict else 1):
             last += round(behind)
-        elif self._strict and behind < -1.0:
+        elif self._strict and behind < -1.0 and self._number > _SETTLED:
             last = max(last - 1, self._number)
         creep = 0.005 * self._period * max(count, last - self._number)
         earliest = arrival - last * self._period
-        lowest = base - creep if self._strict else earliest
+        lowest = base - (creep if self._number > _SETTLED else 0.05 * self._period) if self._strict else earliest
         self._base = min(base + creep, max(earliest, lowest))
         self._number = last
         return last - count + 1

@@ -12,7 +12,7 @@ from ahmss.capture.config import TrackerConfig
 from ahmss.capture.formats.losses import Losses
 from ahmss.capture.merge import Merger
 from ahmss.capture.plausible import Gate
-from ahmss.capture.port import Port
+from ahmss.capture.port import Port, numbering_of
 from ahmss.capture.stations import TrackerFrame
 from ahmss.capture.udp import UdpPort
 
@@ -38,8 +38,12 @@ class Tracker:
         self._sweeps: queue.SimpleQueue[tuple[int, Sweep]] = queue.SimpleQueue()
         self._ports = self._make_ports()
         self._merger = Merger(
-            len(self._ports), config.rate, self._losses, ordered=config.kind != "ultratrak"
-        )  # fmt: skip
+            len(self._ports),
+            config.rate,
+            self._losses,
+            ordered=config.kind != "ultratrak",
+            together=len(config.line) > 1 and numbering_of(config) != "count",
+        )
         self._gate = Gate(config.rows, config.rate, self._losses)
 
     def _make_ports(self) -> list[Port] | list[UdpPort]:

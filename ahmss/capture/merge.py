@@ -11,6 +11,8 @@ from ahmss.capture.stations import Reading
 
 __all__ = ["Merged", "Merger"]
 
+_BEGINNING = 0.5  # seconds
+
 
 @dataclass(frozen=True)
 class Merged:
@@ -29,24 +31,35 @@ class Merger:
     other: there a gap is given `patience`.
     """
 
-    def __init__(self, lines: int, rate: float, losses: Losses, *, ordered: bool = True) -> None:
-        """Args: how many lines; frames a second; where losses are counted; whether what is sent first comes first."""
+    def __init__(
+        self, lines: int, rate: float, losses: Losses, *, ordered: bool = True, together: bool = False
+    ) -> None:
+        """Make one.
+
+        Args:
+            lines: how many.
+            rate: frames a second.
+            losses: where they are counted.
+            ordered: what is sent first comes first.
+            together: lines that begin within half a second began with the same sweep, whenever it came.
+        """
         self._lines = lines
         self._rate = rate
-        self._patience = min(0.1, max(0.03, 2.5 / rate))
+        self._patience = min(0.15, max(0.03, 3.5 / rate))
         self._losses = losses
         self._ordered = ordered
+        self._together = together
         self._offsets: dict[int, int] = {}
         self._latest = dict.fromkeys(range(lines), -1)
         self._pending: dict[int, dict[int, Sweep]] = {}
         self._given = -1
         self._lately: deque[int] = deque(maxlen=60 if lines == 1 else 0)
-        self._start: float | None = None
+        self._first: tuple[int, float] | None = None
 
     def add(self, line: int, sweep: Sweep) -> None:
         """Take in a sweep of a line (0 and up)."""
         if sweep.fresh or line not in self._offsets:
-            self._offsets[line] = self._number_now(sweep.arrival) - sweep.number
+            self._offsets[line] = self._number_now(sweep) - sweep.number
         number = sweep.number + self._offsets[line]
         self._latest[line] = max(self._latest[line], number)
         if number in self._lately:
@@ -74,11 +87,14 @@ class Merger:
             ready.append(Merged(number, readings, max(sweep.arrival for sweep in sweeps.values())))
         return ready
 
-    def _number_now(self, arrival: float) -> int:
-        """The frame that is due at a time; always one that was not given out yet."""
-        if self._start is None:
-            self._start = arrival
-        return max(round((arrival - self._start) * self._rate), self._given + 1)
+    def _number_now(self, sweep: Sweep) -> int:
+        """The frame that a line's first sweep belongs to: one not given out yet, unless all lines began together."""
+        if self._first is None:
+            self._first = (sweep.number, sweep.arrival)
+        number, start = self._first
+        if self._together and sweep.fresh and sweep.arrival - start < _BEGINNING:
+            return sweep.number - number
+        return max(round((sweep.arrival - start) * self._rate), self._given + 1)
 
     def _due(self, number: int, sweeps: dict[int, Sweep], now: float) -> bool:
         complete = len(sweeps) == self._lines

@@ -52,7 +52,8 @@ def is_true(frame, stations, count):
 def test_frames_in_every_mode(kind, form, stations, mode):
     with Fake(kind, stations, form=form) as fake, Tracker(fake.config(mode)) as tracker:
         frames = frames_of(tracker, 30)
-    first = next(count for count in range(200) if is_true(frames[0], range(1, stations + 1), count))
+    whole = next(frame for frame in frames if not frame.status[:stations].any())
+    first = next(count for count in range(400) if is_true(whole, range(1, stations + 1), count)) - whole.number
     for frame in frames:
         seen = frame.status != Status.MISSING
         assert seen[:stations].any()
