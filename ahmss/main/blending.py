@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ahmss.body.array import Array
 from ahmss.body.blending import blend, blend_root
 from ahmss.body.inertialisation import Inertialiser
-from ahmss.body.inverse import grips, solve
+from ahmss.body.inverse import GAZE, grips, solve
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.body.target_inertialisation import TargetInertialiser
@@ -193,6 +193,7 @@ class Blending:
         if not switched.any():
             return _NO_JOINT, _NO_JOINT, _gains_one_owner(shares, before), _NO_END
         joints, lost = switched[:43], np.zeros(43, bool)
+        gone[GAZE] *= total[44 + GAZE] <= _NOBODY  # a gaze that somebody still has moves over with its weight
         for end in np.flatnonzero(gone > _JUMP):  # a limb that loses its target falls back to its own rotations
             joints[_CHAINS[end]] = lost[_CHAINS[end]] = True
         return joints, lost, bool(switched[43]) or _gains_one_owner(shares, before), switched[44:]
