@@ -14,12 +14,12 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.database.placement import Placed
 from ahmss.database.shape import Shape
 from ahmss.database.workspace import Workspace
-from ahmss.errors import WorldError
+from ahmss.errors import Unreachable, WorldError
 from ahmss.main.command import Add
 from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
-from ahmss.world.schema import Claim, GetScene, ObjectRecord, Release, SetState, StateChange, StateValue
+from ahmss.world.schema import Claim, Hello, ObjectRecord, Release, SetState, StateChange, StateValue, Welcome
 from ahmss.world.view import World
 
 __all__ = ["Communication"]
@@ -191,16 +191,26 @@ class Communication:
         return self.client.sync(self.human, line, names)
 
     def news(self) -> Callable[[], bool]:
-        """Whether the scene as the server has it at the first call is still under way; in lockstep each tick brings it.
+        """Whether the world as the server has it at the first call is still under way; in lockstep each tick brings it.
 
         What others have done before a `sync` is so seen by all after it.
         """
         asked: list[Pending] = []
 
         def missing() -> bool:
-            if not asked and not self.lockstep:
-                asked.append(self.client.begin(GetScene()))
-            return not all(pending.done for pending in asked)
+            if self.lockstep:
+                return False
+            if not asked:
+                asked.append(self.client.begin(Hello()))
+            if not asked[0].done:
+                return True
+            try:
+                welcome = asked[0].result()
+            except Unreachable:  # the connection broke before the answer: ask again
+                asked.clear()
+                return True
+            assert isinstance(welcome, Welcome)
+            return self.world.tick <= welcome.tick or not self.client.is_current
 
         return missing
 

@@ -141,6 +141,11 @@ class WorldClient:
         """Whether there is a connection now; it comes back by itself."""
         return self._link.is_up
 
+    @property
+    def is_current(self) -> bool:
+        """Whether `world` is all that the newest snapshot tells: the scene under it has come too."""
+        return self._shown is not None and self._shown.revision == self.world.revision
+
     def publish(self, human: str, frame: int, root: Array, rotations: Array, moved: Array | None = None) -> bool:
         """Send a human's frame and the objects that it moves, as one update.
 
@@ -240,7 +245,7 @@ class WorldClient:
         """Ask for the scene and the present snapshot (a viewer with `--request`; a main after `join`)."""
         self._see(self._ask(schema.GetSnapshot(), Snapshot))
         for _ in range(_SCENES):  # in lockstep the snapshot is of the last tick, the scene may be of the next
-            if self._shown is not None and self._shown.revision == self.world.revision:
+            if self.is_current:
                 break
             self._ask(schema.GetScene(), Scene)
             self._see(self._ask(schema.GetSnapshot(), Snapshot))
