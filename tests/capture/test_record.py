@@ -31,7 +31,7 @@ def test_ctrl_c_ends_it_and_what_came_is_saved(tmp_path):
         for line in child.stderr:
             if "frames" in line:  # it has begun
                 break
-        time.sleep(2.0)
+        time.sleep(1.5)
         child.send_signal(signal.SIGINT)
         out, said = child.communicate(timeout=40)
     assert child.returncode == 0, said
