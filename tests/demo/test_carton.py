@@ -19,7 +19,7 @@ from .recorded import Recorded
 SITES = {RIGHT_HAND: np.array([0.0, -0.18, 0.2]), LEFT_HAND: np.array([0.0, 0.18, 0.2])}
 
 
-@pytest.fixture(scope="module", params=["ken", "aiko"])
+@pytest.fixture(scope="module", params=["ken", pytest.param("aiko", marks=pytest.mark.long)])
 def played(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     directory = tmp_path_factory.mktemp("carton")
     script = (ROOT / "examples" / "carton.txt").read_text().replace("body ken", f"body {request.param}")
