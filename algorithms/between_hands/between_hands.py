@@ -34,9 +34,10 @@ def between_hands(task: ObjectTask) -> Iterator[ObjectPose]:
         carried = _between(palms)
         if in_hands is not None and _holds(human, palms, carried.then(in_hands), sites, threshold):
             held = carried.then(in_hands)
-            stands = held.place[2] <= floor
-            frame = frame if stands else held
-            in_hands = carried.inverse().then(frame) if stands else in_hands
+            if held.place[2] > floor or frame.place[2] > floor:
+                frame = Transform(np.array([*held.place[:2], max(held.place[2], floor)]), held.rotation)
+            if held.place[2] <= floor:  # it stands, and the palms slide
+                in_hands = carried.inverse().then(frame)
         elif _holds(human, palms, frame, sites, threshold):
             in_hands = carried.inverse().then(frame)
         else:

@@ -18,6 +18,7 @@ from .scene import CUP, DOOR, FLOOR, WORKSPACE, Body, program
 SHIPPED = [
     ("slerp", CUP, "reach", "human"), ("grasp", CUP, "release", "human"), ("playback", DOOR, "open", "human"),
     ("hold_arm", FLOOR, "stand", "human"), ("door", DOOR, "open", "object"), ("follow_hand", CUP, "grasp", "object"),
+    ("stay", "room/chair", "sit", "object"),
 ]  # fmt: skip
 
 
