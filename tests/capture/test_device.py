@@ -50,8 +50,13 @@ def is_true(frame, stations, count):
 @pytest.mark.parametrize("mode", ["continuous", "poll"])
 @pytest.mark.parametrize(("kind", "form", "stations"), [("liberty", "binary", 15), ("fastrak", "ascii", 4)])
 def test_frames_in_every_mode(kind, form, stations, mode):
-    with Fake(kind, stations, form=form) as fake, Tracker(fake.config(mode)) as tracker:
-        frames = frames_of(tracker, 30)
+    expected = {"liberty": "poll", "fastrak": "stop"}[kind]
+    with Fake(kind, stations, form=form) as fake:
+        with Tracker(fake.config(mode)) as tracker:
+            frames = frames_of(tracker, 30)
+        end = time.monotonic() + 10.0
+        while fake.heard[-1] != expected and time.monotonic() < end:
+            time.sleep(0.01)
     whole = next(frame for frame in frames if not frame.status[:stations].any())
     first = next(count for count in range(400) if is_true(whole, range(1, stations + 1), count)) - whole.number
     for frame in frames:
@@ -64,7 +69,6 @@ def test_frames_in_every_mode(kind, form, stations, mode):
     times = [frame.time for frame in frames]
     assert all(after > before for before, after in itertools.pairwise(times))
     assert "poll" in fake.heard if mode == "poll" else "continuous" in fake.heard
-    expected = {"liberty": "poll", "fastrak": "stop"}[kind]
     assert fake.heard[-1] == expected  # it was told to be quiet at the end
 
 
