@@ -74,6 +74,8 @@ class Tracker:
     def stop(self) -> None:
         """Tell the devices to stop, and close the lines; waits for that. What `poll` has not given yet stays."""
         for port in self._ports:
+            port.end()
+        for port in self._ports:
             port.stop()
 
     def poll(self) -> list[TrackerFrame]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 import serial
 
@@ -68,6 +69,7 @@ class Port:
         self.heard = Heard()
         self._config, self._line, self._give, self._together = config, line, give, together
         self._error = ""
+        self._began = False
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"tracker {line.port}", daemon=True)
 
@@ -75,9 +77,14 @@ class Port:
         """Begin; returns at once."""
         self._thread.start()
 
+    def end(self) -> None:
+        """Ask the thread to end; returns at once."""
+        self._stopping.set()
+        self._together.abort()
+
     def stop(self) -> None:
         """End the thread; the device is told to stop sending. Returns when the port is closed."""
-        self._stopping.set()
+        self.end()
         if self._thread.ident is not None:
             self._thread.join(5.0)
 
@@ -123,11 +130,11 @@ class Port:
         port.flush()
 
     def _wait_for_others(self) -> None:
-        """So that all devices begin with the same frame; a line that is late begins alone."""
-        try:
-            self._together.wait(timeout=4.0)
-        except threading.BrokenBarrierError:
-            return
+        """So that all devices begin with the same frame; one that is late, or opened again, begins alone."""
+        if not self._began:
+            self._began = True
+            with suppress(threading.BrokenBarrierError):
+                self._together.wait(timeout=4.0)
 
     def _listen(self, port: serial.Serial, parser: Parser, assembler: Assembler) -> None:
         port.write(setup.begin(self._config))

@@ -68,9 +68,13 @@ class UdpPort:
         """Begin; returns at once."""
         self._thread.start()
 
+    def end(self) -> None:
+        """Ask the thread to end; returns at once."""
+        self._stopping.set()
+
     def stop(self) -> None:
         """End the thread; returns when the socket is closed."""
-        self._stopping.set()
+        self.end()
         if self._thread.ident is not None:
             self._thread.join(5.0)
 
