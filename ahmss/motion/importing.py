@@ -90,6 +90,8 @@ def read_body(path: Path, unit: str | None = None) -> tuple[BodyMotion, list[str
     source = read_source(path)
     parts = parts_of(source)
     report = [f"{source.format}, {source.frames} frames, names as in {parts.family} files"]
+    if source.format == "AMC":
+        report.append(f"AMC files don't say their rate: {source.rate:g} frames a second taken, as CMU's have")
     if parts.unknown:
         more = ", ..." if len(parts.unknown) > _NAMED else ""
         report.append(f"{len(parts.unknown)} joints play no part: {', '.join(parts.unknown[:_NAMED])}{more}")

@@ -52,9 +52,9 @@ class Parts:
     """Indices of a file's joints.
 
     spine: from above the hips up to the joint below the neck, at least one; chest: the one that bears the arms; neck:
-    the first joint above the chest. limbs: by "right_upper_arm" and the like; "right_toe" and "right_palm" only where
-    the file has them. tips: what a limb's last joint points to. unknown: names of joints that play no part, such as
-    fingers.
+    the first joint above the chest, not in the same place. limbs: by "right_upper_arm" and the like; "right_toe" and
+    "right_palm" only where the file has them. tips: what a limb's last joint points to. unknown: names of joints that
+    play no part, such as fingers.
     """
 
     hips: int
@@ -103,7 +103,8 @@ def _with_trunk(source: SourceMotion, hips: int, head: int, limbs: dict[str, int
         )
     chest = shared[0]
     chain = (head, *up)
-    neck = chain[chain.index(chest) - 1]
+    above = chain[: chain.index(chest)]
+    neck = next((joint for joint in reversed(above) if source.offsets[joint].any()), head)
     spine = tuple(reversed(up[up.index(chest) : up.index(hips)]))
     tips = {name: tip for name, joint in limbs.items() if (tip := _tip(source, joint, limbs)) >= 0}
     used = {hips, head, neck, *spine, *limbs.values(), *tips.values()}

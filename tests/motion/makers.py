@@ -92,5 +92,36 @@ def save_bvh(source: SourceMotion, path: Path, order: str = "XYZ", unit: float =
     return path
 
 
+def save_amc(source: SourceMotion, path: Path, unit: float = 1.0) -> Path:
+    """The source as AMC with its ASF beside it: a bone without length turns at each joint, others lead to the next."""
+    joints = [i for i, name in enumerate(source.names) if not name.endswith("_end")]
+    names = {i: "root" if source.parents[i] < 0 else source.names[i] for i in joints}
+    bones, tree = [], []
+    for i in joints:
+        parent = source.parents[i]
+        if parent < 0:
+            continue
+        length = float(np.linalg.norm(source.offsets[i]))
+        way = source.offsets[i] / max(length, 1e-9)
+        for name, long, dof in ((f"to_{names[i]}", length / unit, ""), (names[i], 0.0, "dof rx ry rz")):
+            direction = " ".join(f"{v:.12f}" for v in way)
+            bones.append(f"begin\nname {name}\ndirection {direction}\nlength {long:.12f}\naxis 0 0 0 XYZ\n{dof}\nend")
+        tree += [f"{names[parent]} to_{names[i]}", f"to_{names[i]} {names[i]}"]
+    root = ":root\norder TX TY TZ RX RY RZ\naxis XYZ\nposition 0 0 0\norientation 0 0 0"
+    text = "\n".join([root, ":bonedata", *bones, ":hierarchy", "begin", *tree, "end"])
+    path.with_suffix(".asf").write_text(text)
+    angles = {i: np.degrees(_euler(source.rotations[:, i], "xyz")) for i in joints}
+    lines = [":FULLY-SPECIFIED", ":DEGREES"]
+    for frame in range(source.frames):
+        lines.append(str(frame + 1))
+        for i in joints:
+            values = angles[i][frame]
+            if source.parents[i] < 0:
+                values = np.concatenate([source.translations[frame, i] / unit, values])
+            lines.append(names[i] + " " + " ".join(f"{v:.9f}" for v in values))
+    path.write_text("\n".join(lines))
+    return path
+
+
 def _euler(rotations: Array, order: str) -> Array:
     return Rotation.from_quat(rotations[:, [1, 2, 3, 0]]).as_euler(order)

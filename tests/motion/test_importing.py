@@ -9,11 +9,11 @@ import pytest
 
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, rotate
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.database import Workspace
 from ahmss.errors import CommandError, DataError
-from ahmss.motion.alignment import BodyMotion
+from ahmss.motion.alignment import TRACKED, BodyMotion
 from ahmss.motion.bvh import read_bvh
 from ahmss.motion.bvh_out import write_bvh
 from ahmss.motion.clip import load, save
@@ -21,7 +21,7 @@ from ahmss.motion.importing import import_clip, read_body, read_source
 from ahmss.motion.quality import measure
 from ahmss.motion.sourcequality import measure_source
 
-from .makers import RATE, remounted, save_bvh, stepping
+from .makers import RATE, remounted, save_amc, save_bvh, stepping
 from .mocap import capture_path
 
 HUMANS = ("ken", "aiko")
@@ -121,6 +121,19 @@ def test_the_report_says_what_was_found_and_done():
 def file(tmp_path, skeleton):
     write_bvh(tmp_path / "stepping.bvh", skeleton, *stepping(skeleton), RATE)
     return tmp_path / "stepping.bvh"
+
+
+def test_amc_brings_in_what_bvh_does(tmp_path, file):
+    from_bvh, _ = read_body(file)
+    from_amc, report = read_body(save_amc(read_source(file), tmp_path / "07_01.amc", unit=0.0254 / 0.45))
+    said = "; ".join(report)
+    assert "AMC, 90 frames" in said
+    assert "unit taken to be cmu" in said
+    assert "120 frames a second taken" in said
+    np.testing.assert_allclose(from_amc.places, from_bvh.places, atol=1e-6)
+    apart = to_rotation_vector(multiply(conjugate(from_amc.rotations), from_bvh.rotations))
+    limbs = [i for i, name in enumerate(TRACKED) if not name.endswith(("foot", "hand"))]  # they have no tips here
+    assert np.degrees(np.linalg.norm(apart[:, limbs], axis=-1)).max() < 0.01
 
 
 def test_a_clip_that_is_imported_is_one_that_loads(tmp_path, file, skeleton):
