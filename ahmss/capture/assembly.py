@@ -66,7 +66,7 @@ class Assembler:
         self._expected = len(stations)
         self._earnest = min(2, len(stations))
         self._window = max(8, round(0.2 * rate))
-        self._patience = 2.5 / rate
+        self._patience = max(2.5 / rate, 0.1 if numbering == "order" else 0.25)  # else the next sweep ends this one
         self._losses = losses
         self._counted = numbering == "count"
         self._clock = _SweepClock(rate, strict=numbering == "time") if numbering in ("clock", "time") else None

@@ -75,8 +75,8 @@ def test_a_damaged_station_character_does_not_cut_a_sweep_in_two():
 def test_half_a_sweep_is_given_when_its_rest_does_not_come():
     four = assembler("clock")
     assert four.feed([reading(1), reading(2)]) == []
-    assert four.flush(0.02) == []
-    assert shape(four.flush(0.05)) == [(0, [1, 2])]
+    assert four.flush(0.2) == []
+    assert shape(four.flush(0.3)) == [(0, [1, 2])]
 
 
 def test_numbers_leave_a_gap_where_time_went_by_and_none_for_a_burst():
