@@ -15,6 +15,9 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ahmss.algorithm.place import Transform
+from ahmss.bench.meeting import meeting_site
+from ahmss.body.skeleton import Skeleton
 from ahmss.database.layout import init
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
@@ -114,19 +117,20 @@ def _own_workspace(workspace: Workspace, folder: Path) -> Workspace:
     """A copy of a workspace with two kinds more, each of which affords the shipped algorithms."""
     clips = {algorithm: _clip_of(workspace, algorithm) for algorithm in ("playback", "slerp")}
     own = init(folder, workspace)
+    site = meeting_site(clips["playback"], Skeleton.of())
     for kind in ("thing", "other"):
         home = folder / "objectdb" / kind
         home.mkdir()
         for algorithm, clip in clips.items():
             (home / f"{algorithm}.npz").write_bytes(clip.read_bytes())
-        (home / "object.toml").write_text(_object_file(kind))
+        (home / "object.toml").write_text(_object_file(kind, site))
     return own
 
 
-def _object_file(kind: str) -> str:
-    """A kind with a site at its place and three affordances."""
-    lines = [f"name = {json.dumps(kind)}", "[sites.here]", "position = [0.4, -0.15, 1.0]"]
-    lines += ["[properties]", "diameter = 0.07"]
+def _object_file(kind: str, site: Transform) -> str:
+    """A kind with a site and three affordances."""
+    lines = [f"name = {json.dumps(kind)}", "[properties]", "diameter = 0.07", "[sites.here]"]
+    lines += [f"position = {site.place.tolist()}", f"orientation = {site.rotation.tolist()}"]
     for name, algorithm in (("playback", "playback"), ("slerp", "slerp"), ("carry", "playback")):
         lines += [f"[affordances.{name}]", f'human_algorithm = "{algorithm}"', f'motion = "{algorithm}.npz"']
         lines += ['site = "here"']

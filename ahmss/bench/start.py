@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start, encode_frame
+from ahmss.bench.meeting import meeting_site
 from ahmss.body.inverse import grips
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import AlgorithmEntry
@@ -46,7 +47,9 @@ def _start(workspace: Workspace) -> Start:
         raise AhmssError(f"{workspace.root}/objectdb: no motion clip to measure with; run scripts/make_motions.py")
     skeleton = Skeleton.of()
     rotations, root = skeleton.upright()
-    place = ObjectRecord(1, "thing", "thing", (0.4, -0.15, 1.0), (1.0, 0.0, 0.0, 0.0), {"here": SiteRecord((0, 0, 0))})
+    x, y, z, *rotation = meeting_site(clips[-1], skeleton).row().tolist()
+    w, i, j, k = rotation
+    place = ObjectRecord(1, "thing", "thing", (x, y, z), (w, i, j, k), {"here": SiteRecord((0, 0, 0))})
     return Start(
         kind="human", human=skeleton.to_record(), pose=PoseRecord.of(rotations, root), frames=120,
         object=place, site="here", motion=str(clips[-1]), directory=str(workspace.root),
