@@ -22,6 +22,7 @@ __all__ = ["Port", "numbering_of", "open_port", "parser_of"]
 _READ_TIMEOUT = 0.02
 _GATHER = 0.001  # seconds to let the bytes of a frame gather: a read for each of them would cost a core
 _RETRY = 0.5
+_SILENT = 2.0  # seconds after which a device is set up again: it may have been off, and have forgotten all
 _PARITY = {"none": serial.PARITY_NONE, "even": serial.PARITY_EVEN, "odd": serial.PARITY_ODD}
 
 
@@ -119,15 +120,34 @@ class Port:
         parser = parser_of(self._config, self._line)
         parser.losses = self.losses
         assembler = Assembler(self._line.stations, self._config.rate, self.losses, numbering=numbering_of(self._config))
-        answers = setup.ask(port, self._config, self._line)
-        if answers.stations:
-            assembler.expect(answers.stations)
+        heard = Heard()
+        self._set_up(port, assembler, heard)
         self._wait_for_others()
-        self.heard = Heard(time.monotonic(), answers.heard, answers.status is not None, answers.stations)
+        heard.opened = time.monotonic()
+        self.heard = heard
         port.reset_input_buffer()
         (self._poll if self._config.mode == "poll" else self._listen)(port, parser, assembler)
         port.write(setup.stop(self._config))
         port.flush()
+
+    def _set_up(self, port: serial.Serial, assembler: Assembler, heard: Heard) -> None:
+        """Tell the device what to send, and note what it answers."""
+        answers = setup.ask(port, self._config, self._line)
+        if answers.stations:
+            assembler.expect(answers.stations)
+        heard.bytes += answers.heard
+        heard.set_up = time.monotonic()
+        heard.answered |= answers.status is not None
+        if answers.status is not None:
+            heard.stations = answers.stations
+
+    def _revived(self, port: serial.Serial, assembler: Assembler) -> bool:
+        """Set a device that has been silent for long up again; returns whether that was done."""
+        heard = self.heard
+        if time.monotonic() - max(heard.opened, heard.set_up, heard.last_record) < _SILENT:
+            return False
+        self._set_up(port, assembler, heard)
+        return True
 
     def _wait_for_others(self) -> None:
         """So that all devices begin with the same frame; one that is late, or opened again, begins alone."""
@@ -140,6 +160,8 @@ class Port:
         port.write(setup.begin(self._config))
         while not self._stopping.is_set():
             self._take(port, parser, assembler)
+            if self._revived(port, assembler):
+                port.write(setup.begin(self._config))
 
     def _poll(self, port: serial.Serial, parser: Parser, assembler: Assembler) -> None:
         """Ask for a frame at each tick; a frame whose answer was lost is given up after a quarter of a second."""
@@ -151,6 +173,7 @@ class Port:
             end = time.monotonic() + max(0.25, 2.0 * period)
             while not self._take(port, parser, assembler) and time.monotonic() < end and not self._stopping.is_set():
                 pass
+            self._revived(port, assembler)
             due = max(due + period, time.monotonic() - period)
             self._stopping.wait(max(0.0, due - time.monotonic()))
 

@@ -67,19 +67,31 @@ def ask(port: serial.Serial, config: TrackerConfig, line: LineConfig, patience: 
         OSError: the port went away.
     """
     heard = quiet(port, stop(config))
-    for command in commands(config, line):
-        port.write(encode(config.kind, command))
-        time.sleep(_PAUSE)
-    status, count = _answer(
-        port, encode(config.kind, Command("status")), lambda data: find_status(config.kind, data), patience
-    )
+    status, count = _status(port, config, patience)
+    _tell(port, config, line)
     heard += count
+    if status is None:
+        status, count = _status(port, config, patience)
+        heard += count
+        if status is not None:  # it woke up meanwhile, and may have heard the half of it
+            _tell(port, config, line)
     stations: tuple[int, ...] | None = None
     if status is not None and not (config.kind == "fastrak" and len(line.stations) > 4):  # it tells of four only
         question = encode(config.kind, Command("station", 1))
         stations, count = _answer(port, question, lambda data: find_stations(config.kind, data), patience)
         heard += count
     return Answers(status, stations, heard)
+
+
+def _tell(port: serial.Serial, config: TrackerConfig, line: LineConfig) -> None:
+    for command in commands(config, line):
+        port.write(encode(config.kind, command))
+        time.sleep(_PAUSE)
+
+
+def _status(port: serial.Serial, config: TrackerConfig, patience: float) -> tuple[StatusRecord | None, int]:
+    question = encode(config.kind, Command("status"))
+    return _answer(port, question, lambda data: find_status(config.kind, data), patience)
 
 
 def quiet(port: serial.Serial, word: bytes) -> int:

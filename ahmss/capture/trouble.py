@@ -18,6 +18,7 @@ class Heard:
     """What came over a line so far; times are monotonic seconds, 0 for never."""
 
     opened: float = 0.0
+    set_up: float = 0.0
     bytes: int = 0
     answered: bool = False
     stations: tuple[int, ...] | None = None

@@ -34,7 +34,7 @@ CAPTURED = {
 """Which performance each clip of objectdb/ is captured from."""
 
 AROUND = 3.3  # seconds of a performance besides its motion: upright, then ready, and a moment after
-PATIENCE = 30.0  # seconds for the simulator to open its line
+PATIENCE = 60.0  # seconds for the simulator to open its line
 
 
 def clips(skeleton: Skeleton, objectdb: Path) -> dict[str, Clip]:

@@ -29,13 +29,14 @@ def truth(station: int, count: int) -> Reading:
 
 @dataclass
 class Fake:
-    """A device of one line. Set `mute`, `noise` (in the stream), `weak` as it runs; `heard` are the commands."""
+    """A device of one line. Set `mute`, `off`, `noise` (in the stream), `weak` as it runs; `heard` are the commands."""
 
     kind: str
     stations: int
     rate: float = 60.0
     form: str = "binary"
     mute: bool = False
+    off: bool = False
     noise: bytes = b""
     weak: int = 0
     heard: list[str] = field(default_factory=list)
@@ -46,6 +47,7 @@ class Fake:
         self.path = os.ttyname(self.slave)
         self.count = 0
         self.continuous = False
+        self.metric = True  # lost when it is switched off, and with it all that was set
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._serve)
 
@@ -76,8 +78,11 @@ class Fake:
         due = time.monotonic()
         while not self._ending.is_set():
             if select.select([self.master], [], [], 0.003)[0]:
-                for command in decoder.feed(os.read(self.master, 4096)):
+                commands = decoder.feed(os.read(self.master, 4096))
+                for command in [] if self.off else commands:
                     self._obey(command)
+            if self.off:
+                self.continuous, self.metric, self.count = False, False, 0
             if self.continuous and time.monotonic() >= due:
                 due = max(due + 1.0 / self.rate, time.monotonic() - 1.0)
                 self._frame()
@@ -88,6 +93,8 @@ class Fake:
             self._write(encode_status(self.kind, StatusRecord(self.form == "binary", text="a fake")))
         elif command.name == "station" and not command.arguments:
             self._write(encode_stations(self.kind, range(1, self.stations + 1)))
+        elif command.name == "centimetres":
+            self.metric = True
         elif command.name == "continuous":
             self.continuous = True
         elif command.name == "stop":
@@ -104,7 +111,8 @@ class Fake:
         if self.weak:
             records[self.weak - 1] = Reading(self.weak, "C", *_pose(records[self.weak - 1]))
         data = b"".join(encode(record, layout) for record in records)
-        self._write(data[: len(data) // 2] + self.noise + data[len(data) // 2 :])
+        data = data[: len(data) // 2] + self.noise + data[len(data) // 2 :]
+        self._write(data if self.metric else b"0 1  what nobody asked for\r\n")
         self.count += 1
 
     def _write(self, data: bytes):

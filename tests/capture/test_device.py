@@ -163,6 +163,29 @@ def test_a_device_that_falls_silent_and_goes_on():
     assert tracker.losses.lost >= 40
 
 
+@pytest.mark.parametrize(("kind", "mode"), [("liberty", "continuous"), ("fastrak", "poll")])
+def test_a_device_that_was_switched_off_and_on_is_set_up_again(kind, mode):
+    with Fake(kind, 3) as fake, Tracker(fake.config(mode)) as tracker:
+        frames_of(tracker, 5)
+        fake.off = True
+        assert "fell silent" in silence_of(tracker, "fell silent")
+        fake.heard.clear()
+        fake.off = False
+        frames = frames_of(tracker, 10)
+        assert tracker.silence == ""
+    assert {"status", "centimetres", "output", "hemisphere"} <= set(fake.heard)
+    assert all(after.number > before.number for before, after in itertools.pairwise(frames))
+    assert frames[-1].status[:3].tolist() == [0, 0, 0]
+
+
+def test_a_device_that_is_switched_on_late_is_set_up_then():
+    with Fake("liberty", 2, off=True) as fake, Tracker(fake.config()) as tracker:
+        assert "not a byte comes; is the LIBERTY switched on" in silence_of(tracker, "not a byte")
+        fake.off = False
+        assert frames_of(tracker, 5)[-1].status[:2].tolist() == [0, 0]
+        assert "centimetres" in fake.heard
+
+
 def test_a_cable_that_is_pulled_out():
     with Fake("liberty", 3) as fake, Tracker(fake.config()) as tracker:
         frames_of(tracker, 5)

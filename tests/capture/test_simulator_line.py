@@ -223,6 +223,9 @@ def test_off_the_device_is_deaf_and_dumb_and_silent_stations_are_left_out(plugge
     cable.run(0.05)
     assert cable.run(0.2) == b""
     cable.options.faults.mend()
+    assert cable.run(0.2) == b"", "who was off begins as saved, and sends nothing unasked"
+    cable.run(cable.options.boot)
+    cable.write(SETUP)
     assert frames(cable.run(0.2), LAYOUT)
 
 

@@ -43,6 +43,7 @@ class Machine:
         self._rhythm = Rhythm(options, stage, len(self._stations))
         self._awake = False  # whether it was ever switched on
         self._asleep = -math.inf  # until then it reinitialises
+        self._dark = False  # whether it was off when last looked at
 
     # -- what goes in
 
@@ -51,7 +52,7 @@ class Machine:
         if not self._awake:
             self._awake = True
             self._rhythm.count_from(now)
-        if self._faults.off or now < self._asleep:
+        if self._deaf(now):
             return
         for command in self._ear.feed(data):
             if now < self._asleep:
@@ -140,6 +141,13 @@ class Machine:
             case _:  # filters and the like, which change nothing here
                 return station
 
+    def _deaf(self, now: float) -> bool:
+        """Whether it is off or reinitialising; who was off begins as it was saved."""
+        if self._dark and not self._faults.off:
+            self._reinitialise(now)
+        self._dark = self._faults.off
+        return self._dark or now < self._asleep
+
     def _reinitialise(self, now: float) -> None:
         """As if switched off and on: saved settings, and deaf and dumb for a while."""
         self.continuous = False
@@ -167,7 +175,7 @@ class Machine:
 
     def speak(self, now: float) -> bytes:
         """What the unit hands to its free line now: an answer, or the newest frame not sent; empty if there is none."""
-        if self._faults.off or now < self._asleep:
+        if self._deaf(now):
             return b""
         if self._out:
             return self._out.popleft()
