@@ -112,13 +112,22 @@ class _Viewer:
         size = self.window.get_framebuffer_size()
         if self.arrivals.due(self.stage) and not self.touched:
             self.view = self.aim.begin(self.stage, self.painter)
-        if self.following is not None and not self.paused:
-            self.view = self.following.step(self.view, self.stage, size[0] / size[1], self.pace.last)
+        if not self.paused:
+            self.view = self._followed(size[0] / size[1])
         self.painter.draw(self.stage, self.view, size, Screen(*size), self._flats(size))
         self.window.flip()
         if fresh:
             self.stage.tick()
             self.pace.shown(self.feed.age(), ages=isinstance(self.feed, LiveFeed))
+
+    def _followed(self, aspect: float) -> View:
+        """The view a moment later: after the human who is followed, or after those who leave a picture nobody set."""
+        if self.following is not None:
+            return self.following.step(self.view, self.stage, aspect, self.pace.last)
+        if self.touched:
+            return self.view
+        self.aim.view = self.view
+        return self.aim.step(self.stage, self.pace.last)
 
     def _flats(self, size: tuple[int, int]) -> list[Flat]:
         """What is written over the picture."""
