@@ -243,6 +243,8 @@ def _choose(text: str, names: Sequence[str], what: str) -> str:
     meant = [name for name in names if name.rsplit("/", 1)[-1] == text]
     if len(meant) == 1:
         return meant[0]
+    if not text:
+        raise CommandError(f"which {what}? there are: {', '.join(names) or 'none'}")
     if meant:
         raise CommandError(f'which "{text}"? there are: {", ".join(meant)}')
     near = difflib.get_close_matches(text, [*names, *(name.rsplit("/", 1)[-1] for name in names)], 1)
