@@ -22,7 +22,7 @@ test: $(READY) $(GL)
 	@$(MAKE) --no-print-directory lint
 
 test-long: $(READY) $(GL)
-	$(BIN)/pytest -q -m long --timeout 900
+	$(BIN)/pytest -q -m long --timeout 1800
 
 lint: $(READY)
 	$(BIN)/ruff check .

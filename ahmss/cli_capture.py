@@ -28,6 +28,7 @@ Mend = Annotated[bool, typer.Option("--mend", help="Put a smooth way across sens
 Smooth = Annotated[float, typer.Option(metavar="HZ", help="Smooth away jitter above this; 0: leave it.")]
 At = Annotated[tuple[float, float], typer.Option(metavar="X Y", help="Where it stands at first, metres.")]
 Place = Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Its place, metres.")]
+Force = Annotated[bool, typer.Option("--force", help="Write over a take or a clip that is there.")]
 Origin = Annotated[str, typer.Option(metavar="TEXT", help="What the file says of where it comes from.")]
 
 
@@ -62,6 +63,7 @@ def record(
     mend: Mend = False,
     smooth: Smooth = 0.0,
     origin: Origin = "",
+    force: Force = False,
     as_json: Json = False,
     workspace: Workspace = None,
 ) -> None:
@@ -69,7 +71,7 @@ def record(
     from ahmss.capture.session import Wishes, record_clip
 
     wishes = Wishes(body, upright, facing, mend, smooth, workspace)
-    record_clip(out, config, wishes, seconds=seconds, wait=wait, origin=origin, as_json=as_json)
+    record_clip(out, config, wishes, seconds=seconds, wait=wait, origin=origin, force=force, as_json=as_json)
 
 
 @capture_app.command()
@@ -81,13 +83,15 @@ def calibrate(
     facing: Facing = "0",
     mend: Mend = False,
     smooth: Smooth = 0.0,
+    force: Force = False,
     as_json: Json = False,
     workspace: Workspace = None,
 ) -> None:
     """Make a clip of a take, again and otherwise. Example: ahmss capture calibrate open.take.npz --upright 0.5 1.5"""
     from ahmss.capture.session import Wishes, calibrate_take
 
-    calibrate_take(take, out, Wishes(body, upright, facing, mend, smooth, workspace), as_json=as_json)
+    wishes = Wishes(body, upright, facing, mend, smooth, workspace)
+    calibrate_take(take, out, wishes, force=force, as_json=as_json)
 
 
 @capture_app.command()

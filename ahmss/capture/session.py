@@ -83,11 +83,13 @@ def examine(path: Path, *, as_json: bool) -> bool:
 
 
 def record_clip(
-    out: Path, config_path: Path, wishes: Wishes, *, seconds: float | None, wait: float, origin: str, as_json: bool
-) -> None:
+    out: Path, config_path: Path, wishes: Wishes, *, seconds: float | None, wait: float, origin: str, force: bool,
+    as_json: bool,
+) -> None:  # fmt: skip
     """Record a take and make a clip of it; the take stays whatever becomes of the clip."""
     config, skeleton = load(config_path), wishes.skeleton()
     take_path = out.with_suffix(".take.npz")
+    _keep(take_path, out, force=force)
     _count_down(wait)
     with _status() as tell:
         take, losses = record(config, seconds, tell, origin)
@@ -97,7 +99,7 @@ def record_clip(
     _make(take, skeleton, wishes, out, as_json=as_json, more={"take": str(take_path), "losses": losses})
 
 
-def calibrate_take(path: Path, out: Path | None, wishes: Wishes, *, as_json: bool) -> None:
+def calibrate_take(path: Path, out: Path | None, wishes: Wishes, *, force: bool, as_json: bool) -> None:
     """Make a clip of a take that was recorded before."""
     take = takes.load(path)
     if out is None:
@@ -105,7 +107,15 @@ def calibrate_take(path: Path, out: Path | None, wishes: Wishes, *, as_json: boo
         out = path.with_name(f"{name}.npz")
         if out == path:
             raise CommandError(f"{path} would be overwritten; name the clip with --out FILE")
+    _keep(out, force=force)
     _make(take, wishes.skeleton(), wishes, out, as_json=as_json, more={"take": str(path)})
+
+
+def _keep(*paths: Path, force: bool) -> None:
+    """Refuse to write over what is there: a person can't do a take again just so."""
+    for path in paths:
+        if path.exists() and not force:
+            raise CommandError(f"{path}: it is there already; name another, or say --force to write over it")
 
 
 def go_live(

@@ -38,7 +38,8 @@ def of_error(port: str, error: OSError) -> str:
     if number in (errno.EBUSY, errno.EAGAIN):
         return f"{port}: another program has it open; end that one first"
     if number in (errno.ENOTTY, errno.EINVAL, errno.EISDIR):
-        return f"{port}: this is no serial port, or not one of that speed ({error.strerror or error})"
+        why = error.strerror or error
+        return f"{port}: this is no serial port, or not one of that speed; look at port and baud in the file ({why})"
     return f"{port}: unplugged, or the adapter went away ({error.strerror or error}); plug it in again"
 
 

@@ -31,6 +31,8 @@ __all__ = [
     "retarget_file",
 ]
 
+_MOST_FRAMES = 1_000_000
+
 
 class Output(msgspec.Struct, frozen=True):
     """Where a command writes. path: left out, a name made from the source's; force: over what is there."""
@@ -58,10 +60,11 @@ def cut_file(path: Path, begin: float, end: float | None, output: Output) -> Non
         CommandError: the clip does not go that far.
     """
     clip = load(path)
-    first, last = round(begin * clip.rate), clip.frames - 1 if end is None else round(end * clip.rate)
-    if clip.header.times is None and not 0 <= first <= last < clip.frames:
-        asked = f"seconds {begin:g} to {clip.duration if end is None else end:g}"
+    until = clip.duration if end is None else end
+    if clip.header.times is None and not 0.0 <= begin <= until < clip.duration + 0.5 / clip.rate:
+        asked = f"seconds {begin:g} to {until:g}"
         raise CommandError(f"{path}: {asked} are not in the clip, which goes from 0 to {clip.duration:g}")
+    first, last = round(begin * clip.rate), round(until * clip.rate)
     _changed(path, output.beside(path, "cut"), lambda: cut(clip, first, last))
 
 
@@ -75,11 +78,14 @@ def resample_file(path: Path, frames: int | None, seconds: float | None, rate: f
     """Write a clip in another number of frames, of another duration, or at another rate.
 
     Raises:
-        CommandError: none of the three is asked for, or several are.
+        CommandError: none of the three is asked for, several are, or what is asked for is no length of a motion.
     """
     clip = load(path)
     if [frames, seconds, rate].count(None) != 2:
         raise CommandError("say one of --frames, --seconds and --rate")
+    for name, asked, most in (("frames", frames, _MOST_FRAMES), ("seconds", seconds, 3600.0), ("rate", rate, 1000.0)):
+        if asked is not None and not 0 < asked <= most:
+            raise CommandError(f"--{name} {asked:g}; give more than 0 and at most {most:g}")
     if rate is not None:
         _changed(path, output.beside(path, "resampled"), lambda: at_rate(clip, rate))
         return

@@ -30,13 +30,22 @@ def make_room(script: Script, server: str, keys: Path | None, *, fresh: bool) ->
         there = set(client.refresh().objects)
         for step, name in _in_the_way(script.steps, there):
             if not fresh:
-                inside = sum(other.startswith(f"{name}/") for other in there)
+                inside = len(_parts(name, there))
                 more = f", with {inside} objects in it" if inside else ""
                 raise CommandError(
                     f"{step.where}: the world at {server} has {name} already{more}, for a scene outlives its script; "
                     f"--fresh takes it away first, and without --server the script has a world of its own"
                 )
-            client.remove(name)
+            if name in there:
+                client.remove(name)
+            for part in _parts(name, client.refresh().objects):  # what was taken out of it stayed in the world
+                client.remove(part)
+
+
+def _parts(name: str, there: Iterable[str]) -> list[str]:
+    """What is named as a part of an object, nothing of which is a part of another of them."""
+    inside = sorted(other for other in there if other.startswith(f"{name}/"))
+    return [part for part in inside if not any(part.startswith(f"{other}/") for other in inside)]
 
 
 def _in_the_way(steps: Iterable[Step], there: set[str]) -> list[tuple[Step, str]]:
@@ -47,8 +56,10 @@ def _in_the_way(steps: Iterable[Step], there: set[str]) -> list[tuple[Step, str]
         match step.line:
             case Remove(name=name):
                 gone.add(name)
-            case Add(kind=kind, name=name) if (name or kind) in there - gone:
-                found.setdefault(name or kind, step)
+            case Add(kind=kind, name=name):
+                added = name or kind
+                if added not in gone and (added in there or _parts(added, there)):
+                    found.setdefault(added, step)
             case _:
                 pass
     return [(step, name) for name, step in found.items()]

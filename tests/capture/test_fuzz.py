@@ -30,7 +30,7 @@ def test_pure_noise(name):
 
 
 @pytest.mark.long
-@pytest.mark.timeout(900)
+@pytest.mark.timeout(1800)
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_million_damaged_frames(name):
     """A million over all formats; docs/trackers.md has the figures."""

@@ -13,7 +13,7 @@ import pytest
 from ahmss import cli
 from ahmss.capture.config import template
 from ahmss.capture.record import Progress, rate_of
-from ahmss.capture.session import Wishes, calibrate_take, facing_of
+from ahmss.capture.session import Wishes, calibrate_take, facing_of, record_clip
 from ahmss.capture.stations import TrackerFrame
 from ahmss.capture.take import load
 from ahmss.errors import CommandError
@@ -42,8 +42,12 @@ def test_ctrl_c_ends_it_and_what_came_is_saved(tmp_path):
     assert told["jumps"] == []  # gaps there may be: a busy machine reads late
 
     wishes = Wishes("aiko", (0.1, 1.0), "0", mend=False, smooth=0.0, workspace=ROOT)
-    calibrate_take(tmp_path / "lift.take.npz", tmp_path / "again.npz", wishes, as_json=False)
+    calibrate_take(tmp_path / "lift.take.npz", tmp_path / "again.npz", wishes, force=False, as_json=False)
     assert clips.load(tmp_path / "again.npz").header.human == "aiko"
+    with pytest.raises(CommandError, match=r"again\.npz: it is there already"):
+        calibrate_take(tmp_path / "lift.take.npz", tmp_path / "again.npz", wishes, force=False, as_json=False)
+    with pytest.raises(CommandError, match=r"lift\.take\.npz: it is there already"):
+        record_clip(tmp_path / "lift.npz", config, wishes, seconds=1.0, wait=0.0, origin="", force=False, as_json=False)
 
 
 def test_a_tracker_that_is_not_there_is_said_in_a_sentence(tmp_path):

@@ -229,6 +229,8 @@ def test_a_script_that_was_played_before_on_this_server_says_so_in_one_sentence_
     assert f"one.txt:1: the world at {address} has b already" in again.stderr
     assert "--fresh" in again.stderr
     assert len(again.stderr.splitlines()) == 1
+    with WorldClient(address) as client:  # what was taken out of an object keeps its name
+        client.add([NewObject("b/part", "box", (2.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))])
     afresh = run(*arguments, "--fresh")
     assert afresh.returncode == 0, afresh.stderr
     with WorldClient(address) as client:

@@ -105,7 +105,8 @@ class Console:
     def _numbers(words: list[str], there: range) -> set[int]:
         numbers = {int(word) for word in words if word.isdecimal()}
         if len(numbers) < len(set(words)) or not numbers <= set(there):
-            raise CommandError(f'"{" ".join(words)}" are not all numbers of 1 to {there[-1]}')
+            allowed = f"numbers from 1 to {there[-1]}" if len(there) > 1 else "1, the only one there is"
+            raise CommandError(f'"{" ".join(words)}": give {allowed}')
         return numbers or set(there)
 
     @staticmethod
