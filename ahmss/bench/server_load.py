@@ -30,7 +30,7 @@ from ahmss.world.process import ServerProcess
 __all__ = ["Load", "latency_ms", "most_humans", "tick_cost_us"]
 
 _RATE = 60.0
-_STEPS = (500, 1000, 1250, 1500, 2000)
+_STEPS = (125, 250, 500, 1000, 1250, 1500, 2000)
 _DELIVERED = 0.98
 _QUIET = Path(os.devnull)  # that the load goes away at the end is no news
 
