@@ -94,8 +94,10 @@ class Launcher:
         except BaseException:
             pipes.close()
             raise
-        frames = start.frames if start.kind == "human" else 0
-        process = AlgorithmProcess(entry.name, child, encode_start(start), frames=frames, deadlines=self._deadlines)
+        human = start.kind == "human"
+        process = AlgorithmProcess(
+            entry.name, child, encode_start(start), human=human, frames=start.frames, deadlines=self._deadlines
+        )
         self._processes.append(process)
         return process
 

@@ -178,7 +178,9 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     kind: Annotated[Literal["human", "object"], Meta(description="which of the two this process is asked to be")]
     human: Annotated[dict[str, Any], Meta(description="the acting human's skeleton: offsets, tips, limits, grips ...")]
     pose: Annotated[PoseRecord, Meta(description="the human's present pose, frame 0")]
-    frames: Annotated[int, Meta(ge=1, description="N, the frames asked for; frame N is the goal")]
+    frames: Annotated[
+        int, Meta(ge=0, description="N, the frames asked for; frame N is the goal. 0: as many as the motion needs")
+    ]
     rate: Annotated[float, Meta(gt=0.0, description="frames a second")] = 60.0
     seed: Annotated[int, Meta(ge=0, description="for whatever is random")] = 0
     object: Annotated[ObjectRecord | None, Meta(description="the target object")] = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -36,6 +37,7 @@ class Performance:
         self._answers: Iterator[Answer] | None = None
         self._block = np.zeros((0, self.width))
         self._next = 0
+        self._whole = False  # the block is all that will come
         self._told = dict(self.task.object.states) if self.task.object is not None else {}
         self.row = self._row
         self.states = _NOTHING
@@ -56,8 +58,12 @@ class Performance:
 
     @property
     def over(self) -> bool:
-        """Whether a human motion has given its last frame."""
-        return isinstance(self.task, HumanTask) and self.row[0] >= self.task.length
+        """Whether a human motion has given its last frame; one that takes as long as it needs may not know yet."""
+        if not isinstance(self.task, HumanTask):
+            return False
+        if self._whole and self._next == len(self._block):
+            return True
+        return 0 < self.task.length <= self.row[0]
 
     def close(self) -> None:
         """Let the function's `finally` run."""
@@ -69,6 +75,7 @@ class Performance:
         """Get the function's next answer; False at its end."""
         if self._answers is None:
             result = self._function(self.task)
+            self._whole = isinstance(result, np.ndarray)
             self._answers = iter([result] if isinstance(result, np.ndarray) else result)
         answer = next(self._answers, None)
         if answer is None:
@@ -105,8 +112,9 @@ class Performance:
 def frames(function: Function, start: Start, humans: Iterable[Array] | None = None) -> Iterator[HumanPose | ObjectPose]:
     """Play a function without a process, as a test does.
 
-    A human algorithm is asked for its N frames, each from the pose that it gave before; an object algorithm sees the
-    frames of `humans` (each the 190 numbers of FRAME, or a HumanFrame's `row`) and its own object where it last put it.
+    A human algorithm is asked for its N frames (with `frames` 0 until it ends by itself), each from the pose that it
+    gave before; an object algorithm sees the frames of `humans` (each the 190 numbers of FRAME, or a HumanFrame's
+    `row`) and its own object where it last put it.
 
     Args:
         function: what would be given to `run`.
@@ -121,6 +129,8 @@ def frames(function: Function, start: Start, humans: Iterable[Array] | None = No
             row = performance.row.copy()
             pose = HumanPose.of(row) if start.kind == "human" else ObjectPose.of(row)
             yield _with_states(pose, performance.states)
+            if performance.over:
+                return
     finally:
         performance.close()
 
@@ -130,7 +140,7 @@ def _asked(performance: Performance, start: Start, humans: Iterable[Array] | Non
     task = performance.task
     present = task.start.row.copy()
     given = iter(humans) if humans is not None else None
-    for k in range(1, start.frames + 1):
+    for k in range(1, start.frames + 1) if start.frames else itertools.count(1):
         if given is not None:
             seen = next(given, None)
             if seen is None:

@@ -79,12 +79,14 @@ class AlgorithmProcess:
         name: of the algorithm.
         child: its process.
         start: the START message.
-        frames: how many frames of the human it is to make; 0 for an object algorithm, which goes on until stopped.
+        human: whether it moves the human; an object algorithm goes on until stopped.
+        frames: how many it is to make of the human; 0: until it says that it is done.
         deadlines: how long it may take.
     """
 
-    def __init__(self, name: str, child: Child, start: bytes, *, frames: int, deadlines: Deadlines) -> None:
-        human = frames > 0
+    def __init__(
+        self, name: str, child: Child, start: bytes, *, human: bool, frames: int, deadlines: Deadlines
+    ) -> None:
         self.name = name
         self.human = human
         self.phase = Phase.STARTING
@@ -92,7 +94,7 @@ class AlgorithmProcess:
         self.last = 0
         self.failure: AlgorithmError | None = None
         self.ended = False
-        self._frames = frames
+        self._frames = frames if human else 0
         self._told = False
         self._tended = 0
         self._child = child

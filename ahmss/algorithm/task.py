@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -58,9 +59,10 @@ class HumanFrame:
 class Task:
     """What every algorithm is told. Arrays are metres, radians and unit quaternions wxyz.
 
-    length: N, the frames asked for. rate: frames a second. hand: "right", "left" or "". hold: what the action does to
-    the object. random: numpy's generator, seeded by main. object: the target, or None. world: the other objects that
-    algorithm.toml asked for, by id. start: the human at frame 0; present: at the frame being computed.
+    length: N, the frames asked for; 0: as many as the motion needs. rate: frames a second. hand: "right", "left" or "".
+    hold: what the action does to the object. random: numpy's generator, seeded by main. object: the target, or None.
+    world: the other objects that algorithm.toml asked for, by id. start: the human at frame 0; present: at the frame
+    being computed.
     """
 
     def __init__(self, start: Start) -> None:
@@ -192,7 +194,7 @@ class Task:
 
 
 class HumanTask(Task):
-    """A motion of the human: N frames from the present pose to the goal.
+    """A motion of the human: N frames from the present pose to the goal; with N = 0 until the function ends.
 
     For instance:
 
@@ -202,8 +204,8 @@ class HumanTask(Task):
     """
 
     def frames(self) -> Iterator[int]:
-        """k = 1 to N; `present` is the human's pose before each."""
-        yield from range(1, self.length + 1)
+        """k = 1 to N, without an end where N is 0; `present` is the human's pose before each."""
+        yield from range(1, self.length + 1) if self.length else itertools.count(1)
 
     def pose(
         self,

@@ -223,8 +223,9 @@ class _Reader:
         if entry.site is not None and entry.site not in sites:
             have = ", ".join(sites) or "none"
             raise self.error((*place, "site"), f'no site "{entry.site}"; this object has: {have}')
-        if not 1 <= entry.frames <= 100_000:
-            raise self.error((*place, "frames"), f"{entry.frames} frames; allowed: 1 to 100000")
+        if not 0 <= entry.frames <= 100_000:
+            allowed = "1 to 100000, or 0 for as many as it needs"
+            raise self.error((*place, "frames"), f"{entry.frames} frames; allowed: {allowed}")
         for need in entry.needs:
             if need not in _NEEDS:
                 raise self.error((*place, "needs", need), f'no need "{need}"{one_of(need, _NEEDS)}')

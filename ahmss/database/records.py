@@ -72,6 +72,7 @@ class Affordance(msgspec.Struct, frozen=True):
     """One action that an object affords: with which algorithms, data, place on it, and under which conditions.
 
     asks: what the dialogue asks besides the number of frames, of goal_position, facing, goal_posture, hand.
+    frames: how many it takes if nobody says; 0: the algorithm ends it itself.
     needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands (0 to 2).
     hold: "" (an object algorithm claims the object for the motion only), "take" (the object is claimed and its
     algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go).

@@ -133,8 +133,9 @@ class Agenda:
         orders = [main.database.order(act, main.communication, actor) for act in line.acts]
         main.control.begin(orders)
         seconds = max(order.after + order.frames for order in orders) / self._setup.rate
+        known = all(order.frames for order in orders)
         self._doing, self._failures = " with ".join(order.title for order in orders), main.control.failures
-        self.said(f"{self._doing}: {seconds:.1f} s")
+        self.said(f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs")
 
     def _wait(self, line: Wait) -> None:
         self._check_name(line.human)

@@ -48,7 +48,7 @@ class WorldCatalogue:
         return Listing("kinds of objects", tuple((kind.name, kind.error or kind.sentence) for kind in kinds))
 
     def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:
-        """What an action asks for, and its usual number of frames."""
+        """What an action asks for, and its usual number of frames (0: as many as it needs)."""
         _, record = self._record(name)
         affordance = self._workspace.objects.get(record.kind).affordances.get(action)
         if affordance is None:

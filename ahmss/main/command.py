@@ -79,7 +79,7 @@ class Act:
     """One motion: an action that an object affords, and what was said about it.
 
     The object is named, or found at `object_place`. The goal is a place (metres) or another object's name.
-    `frames` is None where the affordance's own number serves; `after` frames later it joins the others.
+    `frames` is None (or 0) where the affordance's own number serves; `after` frames later it joins the others.
     """
 
     object: str

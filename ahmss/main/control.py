@@ -112,7 +112,7 @@ class Control:
         """Ask every human algorithm for its next frame."""
         for motion in self._motions:
             process = motion.process
-            if process and process.active and not process.pending and motion.k < motion.order.frames:
+            if process and process.active and not process.pending and not motion.asked_all:
                 motion.k += 1
                 process.ask(self._frame(motion.k, None, motion.knows))
 
@@ -296,7 +296,7 @@ class Control:
         except AhmssError as error:
             self._fail(motion, f"{motion.order.title}: {error}")
             return
-        if process.last >= motion.order.frames:
+        if 0 < motion.order.frames <= process.last:
             motion.over = True
         if not came:
             if process.pending:

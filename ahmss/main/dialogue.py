@@ -54,7 +54,7 @@ class Catalogue(Protocol):
         ...
 
     def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:
-        """What an action asks for, and its usual number of frames."""
+        """What an action asks for, and its usual number of frames (0: as many as it needs)."""
         ...
 
 
@@ -119,7 +119,8 @@ class Dialogue:
             case "hand":
                 return Question("hand (left, right, or nothing for either)", None, ("left", "right"))
             case "frames":
-                return Question(f"number of frames (nothing for {draft.frames})")
+                usual = draft.frames or "as many as it needs"
+                return Question(f"number of frames (nothing for {usual})")
             case "fuse":
                 return Question("fuse with another motion? (yes or no)", None, ("yes", "no"))
             case step:

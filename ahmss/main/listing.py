@@ -39,7 +39,7 @@ def list_workspace(what: str, directory: Path | None, *, as_json: bool) -> None:
         print(json.dumps(tables))
         return
     for title, rows in tables.items():
-        show_table(title, [{key: value for key, value in row.items() if key != _ERROR} for row in rows])
+        show_table(title, [_shown(row) for row in rows])
 
 
 def check_workspace(directory: Path | None, *, as_json: bool) -> int:
@@ -75,6 +75,14 @@ def show_table(title: str, rows: Rows) -> None:
     for row in rows:
         table.add_row(*(str(value) for value in row.values()))
     Console().print(table)
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    """A row as a person reads it."""
+    shown = {key: value for key, value in row.items() if key != _ERROR}
+    if shown.get("frames") == 0:
+        shown["frames"] = "as needed"
+    return shown
 
 
 def _objects(workspace: Workspace) -> Rows:

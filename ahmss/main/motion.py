@@ -101,6 +101,11 @@ class Motion:
         self.failed = False
         self.held = 0
 
+    @property
+    def asked_all(self) -> bool:
+        """Whether it was asked for its last frame; one without a number of frames says itself when it is over."""
+        return 0 < self.order.frames <= self.k
+
     def keeps(self, name: str) -> bool:
         """Whether it is made with that object in the hand."""
         return self.order.object == name and self.order.affordance.hold == "keep"

@@ -24,12 +24,14 @@ HANDS = {0: "right", 1: "left"}
 
 
 def playback(task: HumanTask) -> Iterator[Array]:
-    """The N frames of the clip; the first alone, so that main need not wait for the others."""
+    """The clip in N frames, where N is 0 at its own pace; the first alone, so that main need not wait for the rest."""
     # The clip's first frame is where the motion starts from, so N frames more are made.
-    clip = task.resampled(task.length + 1)
-    if clip is None:
+    if task.motion is None:
         raise AlgorithmError("playback needs a motion clip")
-    if task.length > 1 and stands(clip):
+    length = task.length or max(1, round(task.motion.duration * task.rate))
+    clip = task.resampled(length + 1)
+    assert clip is not None
+    if length > 1 and stands(clip):
         yield _frames(task, part(clip, 0, 2))
         clip = part(clip, 1, clip.frames)
     yield _frames(task, clip)

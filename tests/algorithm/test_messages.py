@@ -71,7 +71,7 @@ def test_another_version_and_broken_json_are_refused():
     with pytest.raises(ProtocolError, match="START is of protocol version 2; this speaks version 1"):
         decode_start(msgspec.json.encode(start | {"version": 2}))
     with pytest.raises(ProtocolError, match=r"START: .*frames"):
-        decode_start(msgspec.json.encode(start | {"frames": 0}))
+        decode_start(msgspec.json.encode(start | {"frames": -1}))
     with pytest.raises(ProtocolError, match="START: "):
         decode_start(b"{")
 

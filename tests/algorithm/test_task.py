@@ -56,6 +56,28 @@ def test_a_block_is_given_out_frame_by_frame(make_start):
     assert (poses[4].targets == 0.5).all()
 
 
+def test_a_motion_without_a_number_of_frames_ends_itself(make_start):
+    def walk_to_a_metre(task: HumanTask):
+        assert task.length == 0
+        for _ in task.frames():
+            if task.present.root[0] - ROOT[0] >= 1.0:
+                return
+            yield task.pose({}, root=task.present.root + STEP)
+
+    roots = [pose.root[0] - ROOT[0] for pose in frames(walk_to_a_metre, make_start(frames=0))]
+    assert roots == [0.25, 0.5, 0.75, 1.0]
+
+
+def test_what_is_made_at_once_is_over_with_its_last_frame(make_start):
+    start = make_start(frames=0)
+    made = Performance(lambda task: task.block(np.tile(ROTATIONS, (2, 1, 1)), np.tile(ROOT, (2, 1))), start)
+    seen = []
+    for _ in range(2):
+        assert made.step(made.task.start.row.copy())
+        seen.append(made.over)
+    assert seen == [False, True]
+
+
 def test_blocks_and_poses_mix(make_start):
     def both(task: HumanTask):
         yield task.block(np.tile(ROTATIONS, (2, 1, 1)), np.tile(ROOT, (2, 1)))

@@ -112,7 +112,11 @@ def test_an_action_is_afforded_while_its_condition_holds(
         ("needs = { reach", "needs = { height", 'no need "height"'),
         ('hold = "take"', 'hold = "grab"', "affordances.grasp.hold"),
         ('object_algorithm = "follow_hand"', "", '"take" wants an object_algorithm'),
-        ('site = "handle"', 'site = "handle"\nframes = 0', "0 frames; allowed: 1 to 100000"),
+        (
+            'site = "handle"',
+            'site = "handle"\nframes = -1',
+            "-1 frames; allowed: 1 to 100000, or 0 for as many as it needs",
+        ),
         ('"properties.toml"', '"weights.toml"', 'no file "weights.toml"'),
     ],
 )

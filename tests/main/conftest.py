@@ -41,6 +41,11 @@ parameters = { link = "spine" }
 human_algorithm = "glide"
 asks = ["goal_position"]
 
+[affordances.stroll]
+human_algorithm = "stroll"
+asks = ["goal_position"]
+frames = 0
+
 [affordances.touch]
 human_algorithm = "touch"
 site = "top"
@@ -119,6 +124,28 @@ def glide(task: HumanTask):
         yield task.pose({}, root)
 
 run(glide)
+''',
+    ),
+    "stroll": (
+        "human", "",
+        '''
+import numpy as np
+from ahmss.algorithm import HumanTask, run
+
+def stroll(task: HumanTask):
+    """A centimetre a frame, or so that the frames asked for suffice."""
+    goal = task.goal_place[:2]
+    pace = np.linalg.norm(goal - task.start.root[:2]) / task.length if task.length else 0.01
+    for _ in task.frames():
+        way = goal - task.present.root[:2]
+        left = np.linalg.norm(way)
+        if left < 1e-9:
+            return
+        root = task.present.root.copy()
+        root[:2] += way * min(1.0, pace / left)
+        yield task.pose({}, root)
+
+run(stroll)
 ''',
     ),
     "touch": (

@@ -14,14 +14,18 @@ class Shelf:
         return Listing("objects", (("room/cup", "a cup"), ("room/floor", "a floor")))
 
     def actions(self, name: str) -> Listing:
-        actions = {"room/cup": (("grasp", "take it"),), "room/floor": (("walk", "walk on it"),)}
+        actions = {
+            "room/cup": (("grasp", "take it"),),
+            "room/floor": (("walk", "walk on it"), ("stroll", "walk as long as it takes")),
+        }
         return Listing("actions", actions[name])
 
     def kinds(self) -> Listing:
         return Listing("kinds", (("cup", "a cup"), ("lamp", "a lamp")))
 
     def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:
-        return (("goal_position", "facing"), 120) if (name, action) == ("room/floor", "walk") else (("hand",), 60)
+        known = {"walk": (("goal_position", "facing"), 120), "stroll": (("goal_position",), 0)}
+        return known.get(action, (("hand",), 60)) if name == "room/floor" else (("hand",), 60)
 
 
 @pytest.fixture
@@ -45,6 +49,13 @@ def test_the_steps_of_a_motion_are_those_of_the_thesis(dialogue: Dialogue) -> No
         "fuse with another motion?",
     ]  # fmt: skip
     assert line == Do((Act("room/floor", "walk", goal_place=(2.0, 1.0), facing_deg=90.0, frames=200),))
+
+
+def test_an_action_without_a_number_of_frames_takes_as_many_as_it_needs(dialogue: Dialogue) -> None:
+    talk(dialogue, "floor", "stroll", "2 1")
+    assert dialogue.question.prompt == "number of frames (nothing for as many as it needs)"
+    _, line = talk(dialogue, "", "no")
+    assert line == Do((Act("room/floor", "stroll", goal_place=(2.0, 1.0), frames=0),))
 
 
 def test_fusing_goes_back_to_the_objects_and_asks_when_to_start(dialogue: Dialogue) -> None:

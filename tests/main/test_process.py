@@ -116,6 +116,20 @@ def test_the_root_follows_its_one_owner_exactly(ken: MainProcess) -> None:
     assert np.abs(np.diff(np.array(film.roots), n=2, axis=0)).max() < 0.01
 
 
+def test_a_motion_that_takes_as_long_as_it_needs_is_asked_until_it_is_done(ken: MainProcess) -> None:
+    said: list[str] = []
+    ken.agenda.said = said.append
+    x, y, _ = ken.blending.root.tolist()
+    film = Film(ken, f"do b stroll to {x + 0.5} {y}", "do b wave frames 10")
+    assert said[0] == "b stroll: as long as it needs"
+    assert ken.report.messages == []
+    there = next(k for k, root in enumerate(film.roots) if abs(root[0] - x - 0.5) < 1e-9)
+    waving = next(k for k, angle in enumerate(film.angles(ARM)) if angle > 1e-3)
+    assert 50 <= there < waving < there + 10
+    again = Film(ken, f"do b stroll to {x + 10} {y} frames 20", "do b bow frames 10")
+    assert next(k for k, angle in enumerate(again.angles(SPINE)) if angle > 1e-3) < 25
+
+
 def test_a_target_is_met_at_the_end_without_a_jump_on_the_way(ken: MainProcess) -> None:
     x, y, z = (ken.blending.grips[0, :3] + [0.2, 0.0, 0.2]).tolist()
     film = Film(ken, f"add box as c at {x} {y} {z - 0.05}", "do c touch hand right frames 40")
