@@ -13,7 +13,7 @@ from ahmss.algorithm.child import Request
 __all__ = ["learn"]
 
 # Imported ahead; an author's own modules are read anew at each start.
-_INSTALLED = ("ahmss.algorithm", "ahmss.body", "ahmss.motion", "numpy", "scipy")
+_INSTALLED = ("ahmss.algorithm", "ahmss.body", "ahmss.motion", "ahmss.walking", "numpy", "scipy", "shapely")
 _LARGEST = 2000  # frames of a clip that is resampled ahead
 _learned: set[tuple[str, int, int]] = set()
 
@@ -38,7 +38,7 @@ def _read(path: str, frames: int) -> None:
     """Take a file into memory."""
     with contextlib.suppress(Exception):
         if path.endswith(".npz"):
-            if cache.clip(path).header.times is None and 0 < frames <= _LARGEST:
+            if cache.library(path) is None and cache.clip(path).header.times is None and 0 < frames <= _LARGEST:
                 cache.resampled(path, frames + 1)  # the pose of frame 0 and those to be made
             return
         cache.code(path)

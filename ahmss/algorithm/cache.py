@@ -1,15 +1,18 @@
-"""What the pool reads ahead for those it forks: compiled algorithm files and motion clips, while they are unchanged."""
+"""What the pool reads ahead for those it forks: compiled algorithm files and motion data, while they are unchanged."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 from types import CodeType
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
+
+from numpy.typing import NDArray
 
 from ahmss.motion import clip as clips
+from ahmss.walking import library as libraries
 
-__all__ = ["clip", "code", "resampled", "touch"]
+__all__ = ["clip", "code", "library", "resampled", "touch"]
 
 K = TypeVar("K")
 T = TypeVar("T")
@@ -26,6 +29,7 @@ class _Stamp(NamedTuple):
 
 _clips: dict[str, tuple[_Stamp, clips.Clip]] = {}
 _resampled: dict[tuple[str, int], tuple[_Stamp, clips.Clip]] = {}
+_libraries: dict[str, tuple[_Stamp, libraries.Library | None]] = {}
 _codes: dict[str, tuple[_Stamp, CodeType]] = {}
 
 
@@ -67,6 +71,23 @@ def resampled(path: str, frames: int) -> clips.Clip:
     return made
 
 
+def library(path: str) -> libraries.Library | None:
+    """A walk library, read again only when its file has changed; its arrays can't be written. None: the file is none.
+
+    Raises:
+        DataError, OSError: as `ahmss.walking.library.load`.
+    """
+    stamp = _stamp(path)
+    known = _libraries.get(path)
+    if known is not None and known[0] == stamp:
+        return known[1]
+    loaded = libraries.load(Path(path)) if libraries.is_library(Path(path)) else None
+    for walk in loaded.clips.values() if loaded is not None else ():
+        _freeze(walk.rotations, walk.root, walk.bearing)
+    _remember(_libraries, path, (stamp, loaded))
+    return loaded
+
+
 def code(path: str) -> CodeType:
     """The compiled code of a Python file, compiled again only when the file has changed.
 
@@ -87,16 +108,24 @@ def touch() -> None:
     for _, loaded in (*_clips.values(), *_resampled.values()):
         loaded.rotations.sum()
         repr(loaded.header)
+    for _, loaded in _libraries.values():
+        for key, walk in loaded.clips.items() if loaded is not None else ():
+            hash(key)
+            _freeze(walk.rotations, walk.root, walk.bearing)
     for _, compiled in _codes.values():
         hash(compiled)
 
 
 def _frozen(loaded: clips.Clip) -> clips.Clip:
     """The clip, its arrays not to be written."""
-    for array in (loaded.rotations, loaded.root, loaded.importance, loaded.contacts, loaded.targets):
+    _freeze(loaded.rotations, loaded.root, loaded.importance, loaded.contacts, loaded.targets)
+    return loaded
+
+
+def _freeze(*arrays: NDArray[Any] | None) -> None:
+    for array in arrays:
         if array is not None:
             array.flags.writeable = False
-    return loaded
 
 
 def _remember(cache: dict[K, T], key: K, entry: T) -> None:

@@ -186,7 +186,7 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     object: Annotated[ObjectRecord | None, Meta(description="the target object")] = None
     site: Annotated[str, Meta(description="which of the object's sites the action names")] = ""
     goal: Annotated[Goal, Meta(description="what to reach")] = Goal()
-    motion: Annotated[str | None, Meta(description="path of the action's motion clip (.npz)")] = None
+    motion: Annotated[str | None, Meta(description="path of the action's motion data (.npz)")] = None
     parameters: Annotated[dict[str, Any], Meta(description="the algorithm's parameters, defaults filled in")] = {}
     hand: Annotated[Literal["", "right", "left"], Meta(description="the hand to use, where one is meant")] = ""
     hold: Annotated[

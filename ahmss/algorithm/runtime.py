@@ -17,7 +17,7 @@ from ahmss.errors import AlgorithmError
 
 __all__ = ["Meeting", "code_stamp", "private_directory", "sweep"]
 
-_PACKAGES = ("algorithm", "body", "motion")  # what the pool holds in memory
+_PACKAGES = ("algorithm", "body", "motion", "walking")  # what the pool holds in memory
 
 
 def code_stamp() -> str:

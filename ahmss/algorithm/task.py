@@ -20,6 +20,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import ProtocolError
 from ahmss.motion.clip import Clip
+from ahmss.walking.library import Library
 
 __all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Task"]
 
@@ -118,6 +119,11 @@ class Task:
     def motion(self) -> Clip | None:
         """The action's motion clip, read when first asked for; None where the action names none."""
         return cache.clip(self.message.motion) if self.message.motion else None
+
+    @cached_property
+    def library(self) -> Library | None:
+        """The action's walk library, where that is what it names as its motion; else None."""
+        return cache.library(self.message.motion) if self.message.motion else None
 
     def resampled(self, frames: int) -> Clip | None:
         """The action's motion clip in so many frames; None where the action names none."""

@@ -14,6 +14,7 @@ from ahmss.database.records import Affordance, AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, DataError
 from ahmss.motion import clip
+from ahmss.walking import library
 
 __all__ = ["Report", "check"]
 
@@ -61,7 +62,7 @@ def _object(workspace: Workspace, name: str, motions: set[str]) -> Iterator[str]
         yield from _affordance(workspace, kind, affordance)
         if affordance.motion is not None:
             motions.add(str(affordance.motion))
-            yield from _said(lambda used=affordance: _load_clip(workspace, kind, used))
+            yield from _said(lambda used=affordance: _load_motion(workspace, kind, used))
 
 
 def _affordance(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> Iterator[str]:
@@ -93,10 +94,13 @@ def _filled(place: str, entry: AlgorithmEntry, affordance: Affordance) -> Iterat
         yield f"{place}.{error}"
 
 
-def _load_clip(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> None:
+def _load_motion(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> None:
     check_files(workspace, kind, affordance.name)
     assert affordance.motion is not None
-    clip.load(affordance.motion)
+    if library.is_library(affordance.motion):
+        library.load(affordance.motion)
+    else:
+        clip.load(affordance.motion)
 
 
 def _said(look: Callable[[], object]) -> Iterator[str]:

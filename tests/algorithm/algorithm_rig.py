@@ -16,6 +16,8 @@ from ahmss.algorithm.messages import encode_frame
 from ahmss.algorithm.process import AlgorithmProcess, Message
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
+from ahmss.walking.catalogue import STRAIGHT
+from ahmss.walking.library import BODY, WalkClip
 
 PEERS = Path(__file__).parents[1] / "peers"
 HUMAN = Skeleton.of(1.70, "male", "tester")
@@ -29,6 +31,13 @@ class Entry:
     name: str
     argv: tuple[str, ...]
     directory: Path = PEERS
+
+
+def walk_clip(frames: int = 4) -> WalkClip:
+    """A straight step that is none: the human glides."""
+    rotations = np.tile([1.0, 0.0, 0.0, 0.0], (frames + 1, BODY, 1))
+    root = np.linspace([0.0, 0.0, 0.9], [0.7, 0.0, 0.9], frames + 1)
+    return WalkClip(STRAIGHT, rotations, root, np.ones((frames + 1, 2, 3), bool))
 
 
 def peer(how: str, *arguments: str) -> Entry:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for
+from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for, walk_clip
 
 from ahmss.algorithm.hire import Pool
 from ahmss.algorithm.launcher import Launcher
@@ -21,6 +21,9 @@ from ahmss.algorithm.process import Answer, Deadlines, Phase
 from ahmss.algorithm.runtime import Meeting, private_directory, sweep
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip, save
+from ahmss.walking.catalogue import STRAIGHT
+from ahmss.walking.library import Library
+from ahmss.walking.library import save as save_library
 
 SLOW_MACHINE = Deadlines(start=20.0, frame=10.0, stop=0.5)
 
@@ -126,6 +129,13 @@ def test_a_clip_reaches_the_algorithm(warm_launcher, make_start, tmp_path):
     for _ in range(2):
         process = warm_launcher.start(tells(), make_start(motion=str(tmp_path / "wave.npz")))
         assert facts(warm_launcher, process)["clip"] == 12
+
+
+def test_a_walk_library_reaches_the_algorithm(warm_launcher, make_start, tmp_path):
+    save_library(Library("tester", 0.9, {STRAIGHT: walk_clip()}), tmp_path / "walk.npz")
+    for _ in range(2):
+        process = warm_launcher.start(tells(), make_start(frames=0, motion=str(tmp_path / "walk.npz")))
+        assert facts(warm_launcher, process)["walk"] == ["straight"]
 
 
 def test_a_python_algorithm_that_crashes_is_told_by_its_signal(warm_launcher, make_start):

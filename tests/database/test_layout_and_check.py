@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ahmss.database import Workspace
 from ahmss.database.check import check
 from ahmss.database.layout import init, new_object
 from ahmss.errors import CommandError
+from ahmss.motion import archive
+from ahmss.walking.catalogue import STRAIGHT
+from ahmss.walking.library import BODY, Library, WalkClip, save
 
 from .conftest import add_algorithm, add_object
 
@@ -97,6 +101,19 @@ def test_check_tells_every_fault_once(workspace: Workspace) -> None:
     assert len(report.problems) == len(expected)
     for sentence, problem in zip(expected, report.problems, strict=True):
         assert sentence in problem
+
+
+def test_a_motion_may_be_a_walk_library_and_a_broken_one_is_told(workspace: Workspace) -> None:
+    add_object(workspace, "floor", '[affordances.walk]\nhuman_algorithm = "walk"\nmotion = "walk.npz"\nframes = 0\n')
+    add_algorithm(workspace, "walk", 'kind = "human"\nargv = ["python", "walk.py"]\n')
+    path = workspace.root / "objectdb" / "floor" / "walk.npz"
+    rotations, root = np.tile([1.0, 0.0, 0.0, 0.0], (5, BODY, 1)), np.zeros((5, 3))
+    step = WalkClip(STRAIGHT, rotations, root, np.ones((5, 2, 3), bool))
+    save(Library("ken", 0.9, {STRAIGHT: step}), path)
+    assert check(workspace).problems == ()
+    archive.write(path, archive.read(path, "walk library") | {"root": np.zeros((4, 3), np.int32)})
+    (problem,) = check(workspace).problems
+    assert "walk.npz: root: shape (4, 3) of int32; it must be (5, 3)" in problem
 
 
 def test_what_is_not_built_yet_is_a_note_until_an_object_wants_it(workspace: Workspace) -> None:

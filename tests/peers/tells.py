@@ -8,6 +8,7 @@ from ahmss.algorithm import HumanTask, run
 
 
 def tells(task: HumanTask):
+    library = task.library
     facts = {
         "pid": os.getpid(),
         "parent": os.getppid(),
@@ -16,7 +17,8 @@ def tells(task: HumanTask):
         "directory": os.getcwd(),
         "argv": sys.argv,
         "threads": len(os.listdir("/proc/self/task")),
-        "clip": task.motion.frames if task.motion else 0,
+        "clip": task.motion.frames if library is None and task.motion else 0,
+        "walk": [key.name for key in library.clips] if library else [],
         "zmq": "zmq" in sys.modules,
     }
     print(json.dumps(facts), flush=True)
