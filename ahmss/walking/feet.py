@@ -1,0 +1,206 @@
+"""The feet of a performance: planted exactly, rolled over heel and toe, swung from one footstep to the next.
+
+A foot that bears turns about its heel while its toes are up, and about the tip of its toes while its heel is up (it is
+rigid: it has no toe joint). In the air it goes by quintics in a frame that stands on the other foot and turns with the
+body, so that a leg goes round the other in a turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.easing import minimum_jerk
+from ahmss.walking.footsteps import Footsteps, Frame, Step
+from ahmss.walking.gait import Gait
+
+__all__ = ["FootTracks", "tracks"]
+
+_UP, _LEFT = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+_HEEL, _BALL, _TOE = 0, 1, 2
+_ROUND = 0.16  # sine of the pitch over which the lowest point of the swinging sole passes from toe to heel
+_STARTING = 3.0  # how hard a foot that pushes off is drawn after the body
+_SLOWING = 5.0  # how hard a striking foot is still slowing down as it lands; at rest before, it would wait in the air
+_FLAT = 1e-9  # radians
+_TOUCHING = 2e-4  # metres
+_PIVOT_PITCH, _PIVOT_TIME = np.radians(14.0), 0.14  # heel up, and the seconds before and after
+
+
+@dataclass(frozen=True)
+class FootTracks:
+    """Both feet at F times: ankles (F, 2, 3), rotations (F, 2, 4) world <- foot, bearing (F, 2, 3) of heel, ball, toe."""
+
+    ankles: Array
+    rotations: Array
+    bearing: NDArray[np.bool_]
+
+
+@dataclass
+class _Stance:
+    """A foot on the ground. place: of the ankle with the foot flat; turn: what it pivots on its toe, when."""
+
+    place: Frame
+    land: float
+    lift: float
+    strike: float
+    push: float
+    turn: float = 0.0
+    turning: tuple[float, float] = (0.0, 0.0)
+
+
+def tracks(skeleton: Skeleton, gait: Gait, plan: Footsteps, times: Array) -> FootTracks:
+    """The feet of a plan at times (F,) in seconds."""
+    both = [_track(skeleton, gait, plan, foot, times) for foot in (0, 1)]
+    ankles, rotations, bearing = (np.stack([one[i] for one in both], axis=1) for i in range(3))
+    return FootTracks(ankles, rotations, bearing)
+
+
+def _track(skeleton: Skeleton, gait: Gait, plan: Footsteps, foot: int, times: Array) -> tuple[Array, Array, Array]:
+    stances = _stances(skeleton, plan, foot)
+    steps = [step for step in plan.steps if step.foot == foot]
+    soles = skeleton.soles * (1.0, 1.0 if foot == 0 else -1.0, 1.0)
+    pitch, yaw = _angles(gait, stances, steps, times)
+    ankles = np.empty((len(times), 3))
+    on_ground = np.zeros(len(times), bool)
+    for stance in stances:
+        now = (times >= stance.land - 1e-9) & (times <= stance.lift + 1e-9)
+        ankles[now] = _rolled(soles, stance, pitch[now], yaw[now])
+        on_ground |= now
+    for step, before, after in zip(steps, stances[:-1], stances[1:], strict=True):
+        now = (times > step.lift + 1e-9) & (times < step.land - 1e-9)
+        ankles[now] = _swung(
+            gait,
+            soles,
+            plan,
+            step,
+            (before, after),
+            times[now],
+            pitch[now],
+            yaw[now],
+            stances_of(skeleton, plan, 1 - foot),
+        )
+    rotations = multiply(from_axis_angle(_UP, yaw), from_axis_angle(_LEFT, -pitch))
+    heights = (ankles[:, None] + rotate(rotations[:, None], soles))[..., 2]
+    bearing = (heights < _TOUCHING) & on_ground[:, None]
+    return ankles, rotations, bearing
+
+
+def stances_of(skeleton: Skeleton, plan: Footsteps, foot: int) -> list[_Stance]:
+    """The stances of the other foot."""
+    return _stances(skeleton, plan, foot)
+
+
+def _stances(skeleton: Skeleton, plan: Footsteps, foot: int) -> list[_Stance]:
+    out = [_Stance(plan.feet[foot], -np.inf, np.inf, 0.0, 0.0)]
+    for step in plan.steps:
+        if step.foot == foot:
+            out[-1].lift, out[-1].push = step.lift, step.push
+            out.append(_Stance(step.landing, step.land, np.inf, step.strike, 0.0))
+        elif step.pivot:
+            out[-1].turn, out[-1].turning = step.pivot, (step.lift, step.land)
+    return out
+
+
+def _angles(gait: Gait, stances: list[_Stance], steps: list[Step], times: Array) -> tuple[Array, Array]:
+    """Pitch (toes up) and heading at the times: by minimum jerk from one posture of the foot to the next."""
+    pitch, yaw = np.zeros(len(times)), np.full(len(times), stances[0].place.heading)
+    for step, before, after in zip(steps, stances[:-1], stances[1:], strict=True):
+        down, up = -np.radians(gait.push) * step.push, np.radians(gait.strike) * step.strike
+        swing = step.land - step.lift
+        rising = max(min(gait.push_time * (0.4 + 0.6 * step.push), step.lift - before.land - gait.flat_time), 0.05)
+        flat = gait.flat_time * (0.3 + 0.7 * step.strike)
+        knots = (step.lift - rising, step.lift + gait.peak * swing, step.land, step.land + flat)
+        for begin, end, by in zip(knots, knots[1:], (down, up - down, -up), strict=False):
+            pitch += by * minimum_jerk((times - begin) / (end - begin))
+        turned = before.place.heading + before.turn
+        yaw += (after.place.heading - turned) * minimum_jerk((times - step.lift) / swing)
+    for stance in stances:
+        if stance.turn:
+            begin, end = stance.turning
+            raised = minimum_jerk((times - begin + _PIVOT_TIME) / _PIVOT_TIME)
+            lowered = minimum_jerk((times - end) / _PIVOT_TIME)
+            pitch -= _PIVOT_PITCH * (raised - lowered)
+            yaw += stance.turn * minimum_jerk((times - begin) / (end - begin))
+    return pitch, yaw
+
+
+def _rolled(soles: Array, stance: _Stance, pitch: Array, yaw: Array) -> Array:
+    """The ankle (F, 3) of a foot that bears: about its heel while its toes are up, else about its toes."""
+    flat = np.array([stance.place.x, stance.place.y, -soles[0, 2]])
+    heading = from_axis_angle(_UP, stance.place.heading)
+    turned = multiply(from_axis_angle(_UP, yaw), from_axis_angle(_LEFT, -pitch))
+    pivot = np.where((pitch > _FLAT)[:, None], soles[_HEEL], soles[_TOE])
+    return flat + rotate(heading, pivot) - rotate(turned, pivot)
+
+
+def _swung(
+    gait: Gait, soles: Array, plan: Footsteps, step: Step, ends: tuple[_Stance, _Stance], times: Array, pitch: Array,
+    yaw: Array, others: list[_Stance],
+) -> Array:  # fmt: skip
+    """The ankle (F, 3) in the air: level by a quintic that goes on with the push-off's speed and lands at rest."""
+    before, after = ends
+    swing = step.land - step.lift
+    u = (times - step.lift) / swing
+    start, velocity, acceleration = _leaving(gait, soles, plan, step, before)
+    end = _rolled(soles, after, np.array([np.radians(gait.strike) * step.strike]), np.array([after.place.heading]))[0]
+    standing = next(s for s in reversed(others) if s.land <= step.lift + 1e-9)
+    origin = np.array([standing.place.x, standing.place.y])
+    since = _heading_before(plan, step)
+    turn = (step.body - since) * minimum_jerk(u)
+    local_end = _turned(end[:2] - origin, -(step.body - since))
+    way = local_end - start[:2] + origin
+    leaving = acceleration[:2] * swing**2 + _STARTING * step.push * way
+    level = _quintic(start[:2] - origin, velocity[:2] * swing, leaving, local_end, -_SLOWING * step.strike * way, u)
+    out = np.empty((len(times), 3))
+    out[:, :2] = origin + _turned(level, turn)
+    # The lowest point of the sole is as high as the bump says: toe or heel, passing smoothly between.
+    bump = 64.0 * (u * (1.0 - u)) ** 3
+    heel, toe, height = soles[_HEEL, 0], soles[_TOE, 0], -soles[0, 2]
+    sine = -np.sin(pitch)
+    smooth = np.sqrt(sine**2 + (_ROUND * bump) ** 2)
+    lowest = height * np.cos(pitch) + 0.5 * (toe + heel) * sine + 0.5 * (toe - heel) * smooth
+    lift = gait.clearance + 0.03 * (1.0 - max(step.push, step.strike))
+    out[:, 2] = lowest + lift * bump
+    return out
+
+
+def _leaving(gait: Gait, soles: Array, plan: Footsteps, step: Step, before: _Stance) -> tuple[Array, Array, Array]:
+    """Place, velocity and acceleration (3) of the ankle as it lifts off."""
+    h = 1e-3
+    times = step.lift + h * np.array([-1.0, 0.0, 1.0])
+    stances = [before, _Stance(step.landing, step.land, np.inf, step.strike, 0.0)]
+    pitch, _ = _angles(gait, stances, [step], times)
+    yaw = np.full(3, before.place.heading + before.turn)
+    ankle = _rolled(soles, before, pitch, yaw)
+    return ankle[1], (ankle[2] - ankle[0]) / (2.0 * h), (ankle[2] - 2.0 * ankle[1] + ankle[0]) / h**2
+
+
+def _heading_before(plan: Footsteps, step: Step) -> float:
+    """The body's heading when a step begins."""
+    heading = plan.body
+    for other in plan.steps:
+        if other is step:
+            break
+        heading = other.body
+    return heading
+
+
+def _quintic(p0: Array, v0: Array, a0: Array, p1: Array, a1: Array, u: Array) -> Array:
+    """From place, speed and acceleration at u = 0 to no speed at p1 at u = 1, slowing down by a1 there: (F, 2)."""
+    d = p1 - p0
+    c3 = 10.0 * d - 6.0 * v0 - 1.5 * a0 + 0.5 * a1
+    c4 = -15.0 * d + 8.0 * v0 + 1.5 * a0 - a1
+    c5 = 6.0 * d - 3.0 * v0 - 0.5 * a0 + 0.5 * a1
+    u = u[:, None]
+    return p0 + v0 * u + 0.5 * a0 * u**2 + c3 * u**3 + c4 * u**4 + c5 * u**5
+
+
+def _turned(v: Array, angle: Array | float) -> Array:
+    """Vectors (..., 2) turned by angles."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * v[..., 0] - sin * v[..., 1], sin * v[..., 0] + cos * v[..., 1]], axis=-1)
