@@ -131,7 +131,7 @@ def _default(field: msgspec.structs.FieldInfo) -> str:
 
 def _type(kind: Any) -> str:
     """A type in words of JSON."""
-    named = {messages.Vector: "3 numbers", messages.Quaternion: "4 numbers"}
+    named = {messages.Vector: "3 numbers", messages.Quaternion: "4 numbers", messages.Point: "2 numbers"}
     simple = {int: "integer", float: "number", str: "text", type(None): "null"}
     if kind in named:
         return named[kind]

@@ -124,6 +124,7 @@ def size(block: tuple[Field, ...]) -> int:
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+Point = tuple[float, float]
 
 
 class SiteRecord(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -147,6 +148,10 @@ class ObjectRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     sites: Annotated[dict[str, SiteRecord], Meta(description="its named frames")] = {}
     properties: Annotated[dict[str, Any], Meta(description="size, mass and the like, from its files")] = {}
     states: Annotated[dict[str, Any], Meta(description="the values its states have now")] = {}
+    footprint: Annotated[
+        list[list[Point]],
+        Meta(description="outlines of what it occupies for a walker, in its frame turned about z only, metres"),
+    ] = []
 
 
 class PoseRecord(msgspec.Struct, frozen=True):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ahmss.algorithm.messages import ObjectRecord, SiteRecord
 from ahmss.body.array import Array
-from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import about_z, conjugate, from_axis_angle, multiply, rotate
 
 __all__ = ["Transform", "WorldObject", "resolve_site"]
 
@@ -46,7 +46,12 @@ class Transform:
 
 @dataclass
 class WorldObject:
-    """An object of the world. `place` (3,) and `rotation` (4,) follow it where the algorithm asked for the world."""
+    """An object of the world. `place` (3,) and `rotation` (4,) follow it where the algorithm asked for the world.
+
+    footprint: outlines (n, 2) of the area on the floor that it occupies for a walker, in its frame turned about z
+    only, counter-clockwise, without holes; empty where algorithm.toml does not ask for `footprints`, and for what is
+    under 5 cm, over 1.9 m, or in the hands of the acting human.
+    """
 
     id: int
     name: str
@@ -56,19 +61,28 @@ class WorldObject:
     sites: dict[str, SiteRecord] = field(default_factory=dict[str, SiteRecord])
     properties: dict[str, Any] = field(default_factory=dict[str, Any])
     states: dict[str, Any] = field(default_factory=dict[str, Any])
+    footprint: tuple[Array, ...] = ()
 
     @classmethod
     def of(cls, record: ObjectRecord) -> WorldObject:
         """The object of a START record."""
         return cls(
             record.id, record.name, record.kind, np.array(record.place), np.array(record.rotation),
-            record.sites, record.properties, dict(record.states),
+            record.sites, record.properties, dict(record.states), tuple(np.array(ring) for ring in record.footprint),
         )  # fmt: skip
 
     @property
     def frame(self) -> Transform:
         """The object's frame in the world."""
         return Transform(self.place, self.rotation)
+
+    @property
+    def occupied(self) -> tuple[Array, ...]:
+        """The footprint where the object is now: outlines (n, 2) in the world."""
+        w, _, _, z = about_z(self.rotation)
+        cos, sin = w * w - z * z, 2.0 * w * z
+        turn = np.array([[cos, sin], [-sin, cos]])  # of rows
+        return tuple(self.place[:2] + ring @ turn for ring in self.footprint)
 
     def site(self, name: str, human: Array) -> Transform:
         """A site in the world, its free axis turned away from a human whose root is at `human` (3,).

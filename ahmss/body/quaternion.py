@@ -12,6 +12,7 @@ from ahmss.body.array import Array
 
 __all__ = [
     "IDENTITY",
+    "about_z",
     "align",
     "between",
     "conjugate",
@@ -145,6 +146,13 @@ def from_matrix(m: Array) -> Array:
     best = np.argmax(np.diagonal(k, axis1=-2, axis2=-1), axis=-1)
     q = normalize(np.take_along_axis(k, best[..., None, None], axis=-2)[..., 0, :])
     return np.where(q[..., :1] < 0.0, -q, q)
+
+
+def about_z(q: Array) -> Array:
+    """The turn about z in rotations (..., 4): q = about_z(q) * a tilt about a level axis; none where upside down."""
+    turn = q * np.array([1.0, 0.0, 0.0, 1.0])
+    size = np.sqrt(norm(turn))[..., None]
+    return np.where(size > 1e-9, turn / np.maximum(size, 1e-9), IDENTITY)
 
 
 def slerp(q0: Array, q1: Array, t: Array | float) -> Array:

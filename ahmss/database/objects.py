@@ -8,7 +8,9 @@ from pathlib import Path
 
 import msgspec
 
+from ahmss.body.array import Array
 from ahmss.database.document import one_of
+from ahmss.database.footprint import Footprints, Rings
 from ahmss.database.freshness import Fresh, Watched
 from ahmss.database.missing import check_files
 from ahmss.database.objectfile import NAME, read_object
@@ -38,6 +40,7 @@ class ObjectDatabase:
         self._root = str(self.root)
         self._kinds: Fresh[ObjectKind] = Fresh()
         self._shapes = ShapeLoader(workspace)
+        self._footprints = Footprints()
 
     def names(self) -> list[str]:
         """All kinds, broken ones too, in alphabetical order."""
@@ -103,6 +106,25 @@ class ObjectDatabase:
             DataError: the shape or texture file is missing or not fit to be shown; says why.
         """
         return self._shapes.get(self.get(kind))
+
+    def footprint(self, kind: str, height: float, rotation: Array) -> Rings:
+        """The area on the floor that an object of a kind occupies for one who walks; none for a kind without a shape.
+
+        Args:
+            kind: of the object.
+            height: of its origin over the floor, metres.
+            rotation: (4,) world <- object.
+
+        Returns:
+            Outlines in the object's frame, which is turned about z only (see `ahmss.database.footprint`), metres.
+
+        Raises:
+            CommandError, DataError: as `shape`.
+        """
+        shape = self.shape(kind)
+        if shape is None:
+            return ()
+        return self._footprints.of(shape, height, rotation)
 
 
 def _is_entry(path: Path) -> bool:

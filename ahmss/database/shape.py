@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import os
 from pathlib import Path
 
 import msgspec
 
+from ahmss.database import store
 from ahmss.database.freshness import Fresh
 from ahmss.database.records import ObjectKind, Vector
 from ahmss.database.texture import Texture
@@ -65,7 +64,7 @@ class ShapeLoader:
 
         shape = convert_shape(self.workspace, kind)
         if kept is not None:
-            _keep(kept, shape)
+            store.keep(kept, msgspec.msgpack.encode(shape))
         return shape
 
 
@@ -90,25 +89,15 @@ def _kept_at(kind: ObjectKind, files: list[Path]) -> Path | None:
                 digest.update(hashlib.file_digest(stream, "sha256").digest())
         except OSError:
             return None  # the conversion says what is the matter with it
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "ahmss" / "shapes" / digest.hexdigest()
+    return store.place("shapes", digest.hexdigest())
 
 
 def _take(path: Path) -> Shape | None:
+    data = store.take(path)
+    if data is None:
+        return None
     try:
-        shape = msgspec.msgpack.decode(path.read_bytes(), type=Shape)
-    except (OSError, msgspec.DecodeError):
+        shape = msgspec.msgpack.decode(data, type=Shape)
+    except msgspec.DecodeError:
         return None
     return shape if hashlib.sha256(shape.glb).hexdigest() == shape.hash else None
-
-
-def _keep(path: Path, shape: Shape) -> None:
-    """Keep it, whole or not at all; a disk that is full or read-only costs only the time of the next conversion."""
-    part = path.with_suffix(f".{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(msgspec.msgpack.encode(shape))
-        os.replace(part, path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            part.unlink()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import msgspec
 import numpy as np
 
 from ahmss.algorithm import messages
@@ -151,6 +152,12 @@ class Database:
         assert entry is not None
         record = scene.objects[order.object]
         motion = order.affordance.motion
+        in_hand = tuple(name for name, hand in actor.holds.items() if hand)
+
+        def shown(name: str) -> bool:
+            """Whether its footprint is told: what the walker carries is in nobody's way."""
+            return entry.footprints and name not in in_hand and not name.startswith(tuple(f"{n}/" for n in in_hand))
+
         return messages.Start(
             kind="human" if kind == "human" else "object",
             human=actor.skeleton.to_record(),
@@ -158,14 +165,14 @@ class Database:
             frames=order.frames,
             rate=rate,
             seed=seed,
-            object=self._describe(record, scene),
+            object=self._describe(record, scene, footprint=shown(order.object)),
             site=order.affordance.site or "",
-            goal=order.goal,
+            goal=self._shown_goal(order.goal, shown),
             motion=str(motion) if motion else None,
             parameters=order.parameters if kind == "human" else order.object_parameters,
             hand=_side(order.hand),
             hold=_hold(order.affordance.hold),
-            world=self._surroundings(entry.world, order.object, scene, actor.root),
+            world=self._surroundings(entry.world, order.object, scene, actor.root, shown),
             directory=str(entry.directory),
         )
 
@@ -208,24 +215,42 @@ class Database:
             posture = str(path)
         return messages.Goal(place, None, facing, posture, target)
 
-    def _describe(self, record: ObjectRecord, scene: Scene) -> messages.ObjectRecord:
+    def _shown_goal(self, goal: messages.Goal, shown: Callable[[str], bool]) -> messages.Goal:
+        """The goal with its object's footprint, where that is told."""
+        target = goal.object
+        if target is None or not shown(target.name):
+            return goal
+        footprint = self._footprint(target.kind, np.array([*target.place, *target.rotation]))
+        return msgspec.structs.replace(goal, object=msgspec.structs.replace(target, footprint=footprint))
+
+    def _describe(self, record: ObjectRecord, scene: Scene, *, footprint: bool = False) -> messages.ObjectRecord:
         """An object as algorithms are told of it."""
         kind = self.workspace.objects.get(record.kind)
         pose = scene.pose(record.name)
         sites = {n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis)) for n, s in kind.sites.items()}
         return messages.ObjectRecord(
             record.id, record.name, record.kind, _triple(pose[:3]), _four(pose[3:]), sites, kind.properties,
-            dict(record.states),
+            dict(record.states), self._footprint(record.kind, pose) if footprint else [],
         )  # fmt: skip
 
-    def _surroundings(self, asked: str, target: str, scene: Scene, root: Array) -> list[messages.ObjectRecord]:
+    def _footprint(self, kind: str, pose: Array) -> list[list[tuple[float, float]]]:
+        """What an object in a pose (7,) occupies on the floor; nothing where its shape is broken."""
+        try:
+            rings = self.workspace.objects.footprint(kind, float(pose[2]), pose[3:])
+        except AhmssError:
+            return []
+        return [list(ring) for ring in rings]
+
+    def _surroundings(
+        self, asked: str, target: str, scene: Scene, root: Array, shown: Callable[[str], bool]
+    ) -> list[messages.ObjectRecord]:
         if asked == "none":
             return []
         found: list[messages.ObjectRecord] = []
         for name, record in scene.objects.items():
             if name != target and (asked == "all" or float(np.linalg.norm(scene.pose(name)[:3] - root)) <= _NEAR):
                 try:
-                    found.append(self._describe(record, scene))
+                    found.append(self._describe(record, scene, footprint=shown(name)))
                 except AhmssError:  # another object's broken file does not concern this motion
                     continue
         return found

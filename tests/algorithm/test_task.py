@@ -177,6 +177,20 @@ def test_what_moves_is_seen(make_start):
         task.see(np.zeros(191))
 
 
+def test_what_an_object_occupies_goes_where_it_goes(make_start):
+    ring = [(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)]
+    door = ObjectRecord(9, "door", "door", (1.0, 1.0, 0.5), (1.0, 0.0, 0.0, 0.0), footprint=[ring])
+    task = HumanTask(make_start(world=[door]))
+    np.testing.assert_array_equal(task.world[9].footprint, [ring])
+    np.testing.assert_allclose(task.world[9].occupied, [[[1, 1], [3, 1], [1, 2]]])
+    quarter, tilt = from_axis_angle(Z, np.pi / 2), from_axis_angle(Y, 0.3)
+    moved = np.concatenate([np.zeros(190), [9, 5, 6, 7], multiply(quarter, tilt)])
+    task.see(moved)
+    np.testing.assert_allclose(task.world[9].occupied, [[[5, 6], [5, 8], [4, 6]]], atol=1e-12)
+    assert task.object is not None
+    assert task.object.footprint == task.object.occupied == ()
+
+
 def test_a_site_with_a_free_axis_turns_away_from_the_human(make_start):
     tilted = from_axis_angle(Y, 0.3)
     frame = Transform(np.array([2.0, 0.0, 1.0]), tilted)

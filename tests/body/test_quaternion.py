@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from ahmss.body import components as c
 from ahmss.body.quaternion import (
     IDENTITY,
+    about_z,
     align,
     between,
     conjugate,
@@ -83,6 +84,15 @@ def test_vector_goes_by_q_v_conjugate(q, seed):
     assert np.allclose(rotate(q, v), scipy_of(q).apply(v), atol=1e-12)
     assert np.allclose(rotate(-q, v), rotate(q, v), atol=1e-12)
     assert np.allclose(c.rotate(tuple(q), tuple(v)), rotate(q, v), atol=1e-12)
+
+
+def test_what_is_left_of_a_rotation_without_its_turn_about_z_is_a_tilt_about_a_level_axis():
+    tilt = from_axis_angle(np.array([0.6, 0.8, 0.0]), 0.7)
+    for angle in (-2.0, 0.0, 0.4, 3.0):
+        turn = from_axis_angle(np.array([0.0, 0.0, 1.0]), angle)
+        found = about_z(np.stack([multiply(turn, tilt), turn]))
+        assert np.allclose(found * np.sign(np.vecdot(found, turn))[:, None], turn, atol=1e-12)
+    assert np.allclose(about_z(np.array([0.0, 1.0, 0.0, 0.0])), [1.0, 0.0, 0.0, 0.0])
 
 
 def test_quarter_turn_about_z_takes_x_to_y():

@@ -28,6 +28,12 @@ def test_the_objects_own_comes_first_then_objectdb_then_algorithms(workspace: Wo
     assert (entry.kind, entry.argv, entry.sentence, entry.world) == ("human", ("python", "nod.py"), "Nods.", "near")
 
 
+def test_footprints_are_told_to_who_asks(workspace: Workspace) -> None:
+    add_algorithm(workspace, "nod", NOD)
+    add_algorithm(workspace, "walk", f"{NOD}footprints = true\n".replace("nod", "walk"))
+    assert [workspace.algorithms.find(name).footprints for name in ("nod", "walk")] == [False, True]
+
+
 def executable(path: Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("#!/bin/sh\n")

@@ -1,0 +1,68 @@
+"""What START tells of the world, by what algorithm.toml asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import messages
+from ahmss.main.command import Do, parse
+from ahmss.main.process import MainProcess
+from ahmss.world.process import ServerProcess
+from tests.main.ground import steps
+
+Start = Callable[..., ServerProcess]
+Join = Callable[..., MainProcess]
+
+
+@pytest.fixture
+def ken(server: Start, join: Join, workspace: Path) -> MainProcess:
+    """A main in lockstep with two boxes, one turned."""
+    main = join(server(lockstep=["ken"]), fast=True, names=("ken",))
+    main.play(steps("add box as a at 0.3 0 1", "add box as b at 1 1 0.5 facing 45"))
+    return main
+
+
+def told(main: MainProcess, line: str) -> messages.Start:
+    """The START of a motion."""
+    do = parse(line)
+    assert isinstance(do, Do)
+    order = main.database.order(do.acts[0], main.communication, main.actor)
+    return main.database.start(order, "human", main.communication, main.actor, 1, 60.0)
+
+
+def ask(workspace: Path, *lines: str) -> None:
+    """Let `glide` ask for more."""
+    with (workspace / "algorithms/glide/algorithm.toml").open("a") as file:
+        file.write("".join(f"{line}\n" for line in lines))
+
+
+def test_footprints_are_told_where_they_are_asked_for(ken: MainProcess, workspace: Path) -> None:
+    start = told(ken, "do a step to b")
+    assert start.object is not None
+    assert start.goal.object is not None
+    assert [record.name for record in start.world] == ["b"]
+    assert [r.footprint for r in (start.object, start.goal.object, *start.world)] == [[], [], []]
+    assert b'"footprint"' not in messages.encode_start(start)
+    ask(workspace, "footprints = true")
+    start = told(ken, "do a step to b")
+    assert start.object is not None
+    assert start.goal.object is not None
+    for record in (start.object, start.goal.object, *start.world):
+        (ring,) = record.footprint
+        np.testing.assert_allclose(np.abs(ring), 0.055, atol=1e-9)  # in its own frame
+    assert messages.decode_start(messages.encode_start(start)[5:]) == start
+
+
+def test_what_is_in_the_hand_occupies_nothing(ken: MainProcess, workspace: Path) -> None:
+    ask(workspace, "footprints = true")
+    ken.play(steps("do a take frames 10"))
+    assert ken.control.holds == {"a": "right"}
+    start = told(ken, "do b step to a")
+    assert start.object is not None
+    assert start.goal.object is not None
+    assert start.object.footprint
+    assert start.goal.object.footprint == start.world[0].footprint == []
