@@ -97,9 +97,9 @@ FRAME_OBJECT = (
     Field("rotation", 4, "the object's rotation, quaternion wxyz, world <- object"),
 )
 MOVED = (
-    Field("object", 1, "id of an object of START's `world` (or the target) that moved since the last FRAME"),
-    Field("place", 3, "its place in the world, metres"),
-    Field("rotation", 4, "its rotation, quaternion wxyz, world <- object"),
+    Field("object", 1, "id of an object or human of START's `world` (or the target) that moved since the last FRAME"),
+    Field("place", 3, "its place in the world, metres; of a human on the floor"),
+    Field("rotation", 4, "its rotation, quaternion wxyz, world <- object; of a human about z, x where it faces"),
 )
 POSE = (
     Field("k", 1, "the frame this is, as asked"),
@@ -197,7 +197,9 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     hold: Annotated[
         Literal["", "take", "keep", "release"], Meta(description="what the action does to the object in the hand")
     ] = ""
-    world: Annotated[list[ObjectRecord], Meta(description="other objects, as algorithm.toml's `world` asks")] = []
+    world: Annotated[
+        list[ObjectRecord], Meta(description="other objects, and humans, as algorithm.toml's `world` and `humans` ask")
+    ] = []
     directory: Annotated[str, Meta(description="the algorithm's own folder")] = ""
 
 

@@ -47,6 +47,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     sentence: str = ""
     world: Literal["none", "near", "all"] = "near"
     footprints: bool = False
+    humans: bool = False
     parameters: dict[str, dict[str, Any]] = {}
 
 
@@ -122,7 +123,8 @@ class AlgorithmFinder:
             raise document.error(("name",), f'"{top.name}" is not the name of its folder, "{name}"; make them the same')
         parameters = {n: _parameter(document, n, raw) for n, raw in top.parameters.items()}
         argv = self._argv(document, top.argv)
-        return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, top.world, top.footprints)
+        asks = (top.world, top.footprints, top.humans)
+        return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 
     def _argv(self, document: Document, argv: list[str]) -> tuple[str, ...]:
         """The program as it is to be started: the pool's Python, a file of the folder, or a name on the PATH."""

@@ -136,7 +136,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
 
     kind: "human", "object", or "" where nothing says (a bare executable). argv: the first is "python" for the pool,
     else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
-    footprints: whether START says which area on the floor each object occupies.
+    footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -148,6 +148,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     parameters: dict[str, Parameter] | None = None
     world: str = "near"
     footprints: bool = False
+    humans: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -9,12 +9,14 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 import msgspec
 import numpy as np
 
+from ahmss.algorithm import messages
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.placement import Placed
 from ahmss.database.shape import Shape
 from ahmss.database.workspace import Workspace
 from ahmss.errors import Unreachable, WorldError
+from ahmss.main import people
 from ahmss.main.command import Add
 from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
@@ -92,6 +94,10 @@ class Communication:
         """Where an object is (7,): where this human put it last, or where the world has it."""
         own = self._own.get(name)
         return own[1] if own else self.world.pose(name)
+
+    def others(self) -> list[messages.ObjectRecord]:
+        """The other humans, as algorithms are told of them."""
+        return people.records(self.world, self.human)
 
     def put(self, name: str, pose: Array) -> None:
         """This human has moved an object it holds, in the frame that is published next."""

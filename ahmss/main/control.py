@@ -15,7 +15,8 @@ from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
 from ahmss.main.database import Actor, Database, Order
 from ahmss.main.motion import Motion, Mover
-from ahmss.main.surroundings import Surroundings, among
+from ahmss.main.people import People
+from ahmss.main.surroundings import NOTHING, Surroundings, among, known, latest
 
 __all__ = ["Control"]
 
@@ -39,10 +40,10 @@ class Control:
         self._actor, self._rate, self._seed = actor, rate, seed
         self._motions: list[Motion] = []
         self._movers: dict[str, Mover] = {}
-        self._surroundings = Surroundings()
+        self._surroundings, self._people = Surroundings(), People()
         self._number = 0
         self._block = np.zeros(size(FRAME_OBJECT))
-        self._moved = self._changes = np.zeros((0, 8))
+        self._moved = self._changes = NOTHING
         self.failures = 0
         self.held_frames = 0
 
@@ -112,9 +113,14 @@ class Control:
         """Ask every human algorithm for its next frame."""
         for motion in self._motions:
             process = motion.process
-            if process and process.active and not process.pending and not motion.asked_all:
-                motion.k += 1
-                process.ask(self._frame(motion.k, None, motion.knows))
+            if process is None or not process.active:
+                continue
+            moved = latest(motion.missed, among(self._changes, motion.knows))
+            if process.pending:
+                motion.missed = moved
+            elif not motion.asked_all:
+                motion.k, motion.missed = motion.k + 1, NOTHING
+                process.ask(self._frame(motion.k, None, moved))
 
     def collect_humans(self, patience: float) -> None:
         """Take the frames that the human algorithms have made, waiting at most `patience` seconds for the last."""
@@ -132,9 +138,14 @@ class Control:
             if mover.process is not None and mover.process.pending:  # an answer to an older frame, if it has come
                 self._collect_object(mover, blending.grips, late=True)
             process = mover.process
-            if process and process.active and not process.pending:
-                mover.k += 1
-                process.ask(self._frame(mover.k, mover.pose, mover.knows))
+            if process is None or not process.active:
+                continue
+            moved = latest(mover.missed, among(self._changes, mover.knows))
+            if process.pending:
+                mover.missed = moved
+            else:
+                mover.k, mover.missed = mover.k + 1, NOTHING
+                process.ask(self._frame(mover.k, mover.pose, moved))
 
     def collect_objects(self, blending: Blending, patience: float) -> Array | None:
         """Take where the objects are now; rows (m, 8) of those that moved, for the world."""
@@ -173,11 +184,10 @@ class Control:
         except AhmssError as error:
             self._fail(motion, str(error))
             return
-        motion.knows = frozenset((seen.objects[order.object].id, *(record.id for record in start.world)))
-        if order.human_algorithm.world == "none":
-            motion.knows = frozenset()
+        target = () if order.human_algorithm.world == "none" else (seen.objects[order.object].id,)
+        motion.knows = known((*target, *(record.id for record in start.world)))
         motion.k = 1
-        motion.process.ask(self._frame(1, None, frozenset()))
+        motion.process.ask(self._frame(1, None, NOTHING))
 
     def _claim(self, order: Order) -> Mover | None:
         """The mover of the order's object: a new one that asks for the object, or the one that has it."""
@@ -219,8 +229,7 @@ class Control:
             except AhmssError as error:
                 self._refuse(mover, str(error))
             else:
-                if entry.world != "none":
-                    mover.knows = frozenset(record.id for record in start.world)
+                mover.knows = known(record.id for record in start.world)
 
     def _refuse(self, mover: Mover, reason: str) -> None:
         """The object can't be had: its motion ends."""
@@ -265,9 +274,22 @@ class Control:
             self._changes = self._surroundings.moved(self._communication.world, self._moved)
         else:
             self._surroundings.forget()
+        if self._asked_for_humans:
+            others = self._people.moved(self._communication.world, self._communication.human)
+            self._changes = np.concatenate([self._changes, others])
+        else:
+            self._people.forget()
 
-    def _frame(self, k: int, pose: Array | None, knows: frozenset[int]) -> bytes:
-        """A FRAME message of the human as it was seen last."""
+    @property
+    def _asked_for_humans(self) -> bool:
+        """Whether an algorithm wants to know where the other humans are."""
+        if any(motion.process is not None and motion.order.human_algorithm.humans for motion in self._motions):
+            return True
+        entries = [mover.order.object_algorithm for mover in self._movers.values() if mover.process is not None]
+        return any(entry is not None and entry.humans for entry in entries)
+
+    def _frame(self, k: int, pose: Array | None, moved: Array) -> bytes:
+        """A FRAME message of the human as it was seen last, and of what moved, rows (n, 8)."""
         block = self._block
         block[0] = k
         data = block[:_HUMAN]
@@ -275,8 +297,7 @@ class Control:
             block[_HUMAN:] = pose
             data = block
         payload = data.tobytes()
-        moved = among(self._changes, knows)
-        if moved is not None:
+        if len(moved):
             payload += moved.tobytes()
         return HEADER.pack(len(payload), Kind.FRAME) + payload
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
-import msgspec
 import numpy as np
 
 from ahmss.algorithm import messages
@@ -23,11 +21,11 @@ from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel, Objec
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
 from ahmss.main.command import Act, Value
+from ahmss.main.description import Description, Scene, describe, four, triple
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
 
-_NEAR = 5.0  # metres: what an algorithm that asks for the near world is told of
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
 _ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
 
@@ -62,19 +60,6 @@ class Actor:
     root: Array
     rotations: Array
     holds: dict[str, str]
-
-
-class Scene(Protocol):
-    """What is in the world, as one main sees it."""
-
-    @property
-    def objects(self) -> Mapping[str, ObjectRecord]:
-        """Records by name."""
-        ...
-
-    def pose(self, name: str) -> Array:
-        """(7,) place and rotation of an object, now."""
-        ...
 
 
 class Database:
@@ -150,29 +135,23 @@ class Database:
         """The START message of the order's human or object algorithm ("human" or "object")."""
         entry = order.human_algorithm if kind == "human" else order.object_algorithm
         assert entry is not None
-        record = scene.objects[order.object]
+        told = Description(self.workspace, scene, entry, actor.holds)
         motion = order.affordance.motion
-        in_hand = tuple(name for name, hand in actor.holds.items() if hand)
-
-        def shown(name: str) -> bool:
-            """Whether its footprint is told: what the walker carries is in nobody's way."""
-            return entry.footprints and name not in in_hand and not name.startswith(tuple(f"{n}/" for n in in_hand))
-
         return messages.Start(
             kind="human" if kind == "human" else "object",
             human=actor.skeleton.to_record(),
-            pose=messages.PoseRecord(_triple(actor.root), [_four(q) for q in actor.rotations]),
+            pose=messages.PoseRecord(triple(actor.root), [four(q) for q in actor.rotations]),
             frames=order.frames,
             rate=rate,
             seed=seed,
-            object=self._describe(record, scene, footprint=shown(order.object)),
+            object=told.object(order.object),
             site=order.affordance.site or "",
-            goal=self._shown_goal(order.goal, shown),
+            goal=told.goal(order.goal),
             motion=str(motion) if motion else None,
             parameters=order.parameters if kind == "human" else order.object_parameters,
             hand=_side(order.hand),
             hold=_hold(order.affordance.hold),
-            world=self._surroundings(entry.world, order.object, scene, actor.root, shown),
+            world=told.world(order.object, actor.root),
             directory=str(entry.directory),
         )
 
@@ -204,7 +183,7 @@ class Database:
             place = (act.goal_place[0], act.goal_place[1], (*act.goal_place, float(pose[2]))[2])
         if act.goal_object:
             name = find_object(scene, act.goal_object)
-            target = self._describe(scene.objects[name], scene)
+            target = describe(self.workspace, scene.objects[name], scene.pose(name))
             place = target.place
         facing = None if act.facing_deg is None else math.radians(act.facing_deg)
         posture = None
@@ -214,46 +193,6 @@ class Database:
                 raise CommandError(f'pose "{act.posture}": no such file in the workspace')
             posture = str(path)
         return messages.Goal(place, None, facing, posture, target)
-
-    def _shown_goal(self, goal: messages.Goal, shown: Callable[[str], bool]) -> messages.Goal:
-        """The goal with its object's footprint, where that is told."""
-        target = goal.object
-        if target is None or not shown(target.name):
-            return goal
-        footprint = self._footprint(target.kind, np.array([*target.place, *target.rotation]))
-        return msgspec.structs.replace(goal, object=msgspec.structs.replace(target, footprint=footprint))
-
-    def _describe(self, record: ObjectRecord, scene: Scene, *, footprint: bool = False) -> messages.ObjectRecord:
-        """An object as algorithms are told of it."""
-        kind = self.workspace.objects.get(record.kind)
-        pose = scene.pose(record.name)
-        sites = {n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis)) for n, s in kind.sites.items()}
-        return messages.ObjectRecord(
-            record.id, record.name, record.kind, _triple(pose[:3]), _four(pose[3:]), sites, kind.properties,
-            dict(record.states), self._footprint(record.kind, pose) if footprint else [],
-        )  # fmt: skip
-
-    def _footprint(self, kind: str, pose: Array) -> list[list[tuple[float, float]]]:
-        """What an object in a pose (7,) occupies on the floor; nothing where its shape is broken."""
-        try:
-            rings = self.workspace.objects.footprint(kind, float(pose[2]), pose[3:])
-        except AhmssError:
-            return []
-        return [list(ring) for ring in rings]
-
-    def _surroundings(
-        self, asked: str, target: str, scene: Scene, root: Array, shown: Callable[[str], bool]
-    ) -> list[messages.ObjectRecord]:
-        if asked == "none":
-            return []
-        found: list[messages.ObjectRecord] = []
-        for name, record in scene.objects.items():
-            if name != target and (asked == "all" or float(np.linalg.norm(scene.pose(name)[:3] - root)) <= _NEAR):
-                try:
-                    found.append(self._describe(record, scene, footprint=shown(name)))
-                except AhmssError:  # another object's broken file does not concern this motion
-                    continue
-        return found
 
 
 def find_object(scene: Scene, name: str) -> str:
@@ -346,23 +285,9 @@ def reach(skeleton: Skeleton) -> float:
     return float(places[INDEX["right_upper_arm"], 2]) + arm + forearm + float(skeleton.grips[0, 0])
 
 
-def _triple(v: Array) -> tuple[float, float, float]:
-    x, y, z = v.tolist()
-    return (x, y, z)
-
-
-def _four(q: Array) -> tuple[float, float, float, float]:
-    w, x, y, z = q.tolist()
-    return (w, x, y, z)
-
-
 def _side(hand: str) -> Any:
     return hand if hand in ("right", "left") else ""
 
 
 def _hold(hold: str) -> Any:
     return hold if hold in ("take", "keep", "release") else ""
-
-
-def _free(axis: str) -> Any:
-    return "z" if axis == "z" else ""

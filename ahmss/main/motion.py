@@ -9,6 +9,7 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.main.blending import Contribution
 from ahmss.main.database import Order
+from ahmss.main.surroundings import NOTHING, known
 from ahmss.world.link import Pending
 
 __all__ = ["Motion", "Mover"]
@@ -25,6 +26,7 @@ class Mover:
         caught: it is in the hand and goes where the hand goes, whatever its algorithm does.
         process: its algorithm, once the claim is granted; None before, and after the algorithm has failed.
         claim: the request under way.
+        knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
         over: its algorithm was stopped, it rests where it is. fresh: its pose differs from what the world was told.
     """
 
@@ -35,7 +37,7 @@ class Mover:
         self.claim: Pending | None = claim
         self.granted = False
         self.process: AlgorithmProcess | None = None
-        self.knows: frozenset[int] = frozenset()
+        self.knows, self.missed = known(()), NOTHING
         self.k = 0
         self.over = False
         self.fresh = False
@@ -86,6 +88,7 @@ class Motion:
     Attributes:
         number: tells motions apart in the blend. countdown: frames until it starts.
         process: its human algorithm. given: what it gives to the blend, once its first frame has come.
+        knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
         k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
     """
 
@@ -95,7 +98,7 @@ class Motion:
         self.process: AlgorithmProcess | None = None
         self.given: Contribution | None = None
         self.mover: Mover | None = None
-        self.knows: frozenset[int] = frozenset()
+        self.knows, self.missed = known(()), NOTHING
         self.k = 0
         self.over = False
         self.failed = False

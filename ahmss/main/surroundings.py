@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.world.view import World
 
-__all__ = ["Surroundings", "among"]
+__all__ = ["NOTHING", "Surroundings", "among", "known", "latest"]
+
+NOTHING: Array = np.zeros((0, 8))  # rows of id, place, rotation
 
 
 class Surroundings:
@@ -40,9 +44,23 @@ class Surroundings:
         return np.concatenate([own, rows]) if len(own) else rows
 
 
-def among(moved: Array, known: frozenset[int]) -> Array | None:
-    """Those rows whose objects an algorithm knows of; None where there are none."""
-    if not known or not len(moved):
-        return None
-    chosen = [int(number) in known for number in moved[:, 0]]
-    return moved[chosen] if any(chosen) else None
+def among(moved: Array, known: Array) -> Array:
+    """Those rows (n, 8) whose ids are among the known, (m,) in rising order."""
+    if not len(known) or not len(moved):
+        return NOTHING
+    chosen = known[np.minimum(np.searchsorted(known, moved[:, 0]), len(known) - 1)] == moved[:, 0]
+    return moved[chosen]
+
+
+def latest(before: Array, now: Array) -> Array:
+    """Rows (n, 8) and newer ones (m, 8) as one row for each id."""
+    if not len(before):
+        return now
+    newest_first = np.concatenate([before, now])[::-1]
+    _, first = np.unique(newest_first[:, 0], return_index=True)
+    return newest_first[first]
+
+
+def known(ids: Iterable[int]) -> Array:
+    """Ids of what an algorithm knows of, for `among`."""
+    return np.array(sorted(ids), np.float64)

@@ -1,0 +1,123 @@
+"""What START tells of the world: the objects and humans that an algorithm asks for, each as algorithms see it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import msgspec
+import numpy as np
+
+from ahmss.algorithm import messages
+from ahmss.body.array import Array
+from ahmss.database.records import AlgorithmEntry
+from ahmss.database.workspace import Workspace
+from ahmss.errors import AhmssError
+from ahmss.world.schema import ObjectRecord
+
+__all__ = ["Description", "Scene", "describe", "four", "triple"]
+
+_NEAR = 5.0  # metres: what an algorithm that asks for the near world is told of
+
+
+class Scene(Protocol):
+    """What is in the world, as one main sees it."""
+
+    @property
+    def objects(self) -> Mapping[str, ObjectRecord]:
+        """Records by name."""
+        ...
+
+    def pose(self, name: str) -> Array:
+        """(7,) place and rotation of an object, now."""
+        ...
+
+    def others(self) -> list[messages.ObjectRecord]:
+        """The other humans, now."""
+        ...
+
+
+def describe(
+    workspace: Workspace, record: ObjectRecord, pose: Array, footprint: list[list[messages.Point]] | None = None
+) -> messages.ObjectRecord:
+    """An object in a pose (7,) as algorithms are told of it.
+
+    Raises:
+        AhmssError: its kind is broken.
+    """
+    kind = workspace.objects.get(record.kind)
+    sites = {n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis)) for n, s in kind.sites.items()}
+    return messages.ObjectRecord(
+        record.id, record.name, record.kind, triple(pose[:3]), four(pose[3:]), sites, kind.properties,
+        dict(record.states), footprint or [],
+    )  # fmt: skip
+
+
+class Description:
+    """What one algorithm is told.
+
+    Args:
+        entry: the algorithm, which says what it asks for.
+        holds: what the acting human holds, and in which hand; that has no footprint, being in nobody's way.
+    """
+
+    def __init__(self, workspace: Workspace, scene: Scene, entry: AlgorithmEntry, holds: Mapping[str, str]) -> None:
+        self._workspace, self._scene, self._entry = workspace, scene, entry
+        self._held = tuple(name for name, hand in holds.items() if hand)
+        self._within = tuple(f"{name}/" for name in self._held)
+
+    def object(self, name: str) -> messages.ObjectRecord:
+        """The target object.
+
+        Raises:
+            AhmssError: its kind is broken.
+        """
+        record, pose = self._scene.objects[name], self._scene.pose(name)
+        return describe(self._workspace, record, pose, self._footprint(name, record.kind, pose))
+
+    def goal(self, goal: messages.Goal) -> messages.Goal:
+        """The goal, with its object's footprint."""
+        target = goal.object
+        if target is None or not self._entry.footprints:
+            return goal
+        footprint = self._footprint(target.name, target.kind, np.array([*target.place, *target.rotation]))
+        return msgspec.structs.replace(goal, object=msgspec.structs.replace(target, footprint=footprint))
+
+    def world(self, target: str, root: Array) -> list[messages.ObjectRecord]:
+        """The other objects than the target, near the human at `root` (3,) or all, and the other humans."""
+        found: list[messages.ObjectRecord] = []
+        asked = self._entry.world
+        for name in self._scene.objects if asked != "none" else ():
+            if name == target:
+                continue
+            if asked == "all" or float(np.linalg.norm(self._scene.pose(name)[:3] - root)) <= _NEAR:
+                try:
+                    found.append(self.object(name))
+                except AhmssError:  # another object's broken file does not concern this motion
+                    continue
+        return found + (self._scene.others() if self._entry.humans else [])
+
+    def _footprint(self, name: str, kind: str, pose: Array) -> list[list[messages.Point]]:
+        """What an object in a pose (7,) occupies on the floor, where that is asked; nothing if its shape is broken."""
+        if not self._entry.footprints or name in self._held or name.startswith(self._within):
+            return []
+        try:
+            return [list(ring) for ring in self._workspace.objects.footprint(kind, float(pose[2]), pose[3:])]
+        except AhmssError:
+            return []
+
+
+def triple(v: Array) -> tuple[float, float, float]:
+    """A place (3,) for a message."""
+    x, y, z = v.tolist()
+    return (x, y, z)
+
+
+def four(q: Array) -> tuple[float, float, float, float]:
+    """A rotation (4,) for a message."""
+    w, x, y, z = q.tolist()
+    return (w, x, y, z)
+
+
+def _free(axis: str) -> Any:
+    return "z" if axis == "z" else ""
