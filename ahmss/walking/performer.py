@@ -76,10 +76,10 @@ def perform(skeleton: Skeleton, stand: Stand, plan: Footsteps, gait: Gait = GAIT
 
 
 def _heading(plan: Footsteps, times: Array, ahead: float) -> Array:
-    """The body's heading (F,), turning a little longer than the swing does."""
+    """The body's heading (F,), turning from a little before a foot lifts until it lands."""
     heading, before = np.full(len(times), plan.body), plan.body
     for step in plan.steps:
-        begin, end = step.lift - 0.12 - ahead, step.land + 0.12 - ahead
+        begin, end = step.lift - 0.15 - ahead, step.land - ahead
         heading += (step.body - before) * minimum_jerk((times - begin) / (end - begin))
         before = step.body
     return heading

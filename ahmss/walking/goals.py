@@ -1,0 +1,55 @@
+"""Where one goes when one goes to a thing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import rotate
+from ahmss.walking.obstacles import nearest_free
+
+__all__ = ["Goal", "beside", "facing_of"]
+
+_REACH = 0.42  # metres from a thing that has no place of its own to stand at
+_NEAR = 0.20  # metres that one comes to things to use them
+_DIRECTIONS = 24
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A place (2,) on the floor, metres, and a heading in radians; None: as one arrives."""
+
+    place: Array
+    facing: float | None
+
+
+def facing_of(rotation: Array) -> float:
+    """The heading of a frame's x axis (4,), radians."""
+    ahead = rotate(rotation, np.array([1.0, 0.0, 0.0]))
+    return float(np.arctan2(ahead[1], ahead[0]))
+
+
+def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float = _REACH) -> Goal:
+    """Where to stand to use a thing at a place (2,): within reach, clear of footprints, facing it, not far to go.
+
+    Args:
+        thing: the place of what is used, metres, world.
+        human: (2,) who comes.
+        outlines: (n, 2) of what stands on the floor.
+        reach: how far from the thing, metres; a little nearer or further where that is needed.
+    """
+    angles = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    best: tuple[float, Array] | None = None
+    for angle in angles.tolist():
+        wanted = thing + reach * np.array([np.cos(angle), np.sin(angle)])
+        free = nearest_free(wanted, outlines, _NEAR)
+        cost = 3.0 * abs(float(np.linalg.norm(free - thing)) - reach) + 0.3 * float(np.linalg.norm(free - human))
+        if best is None or cost < best[0]:
+            best = cost, free
+    assert best is not None
+    place = best[1]
+    way = thing - place
+    return Goal(place, float(np.arctan2(way[1], way[0])))

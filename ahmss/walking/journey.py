@@ -1,0 +1,213 @@
+"""A walk from where a human stands to where it shall stand: the clips chosen, joined and brought onto the course."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.planting import feet as feet_of
+from ahmss.walking.catalogue import STRAIGHT, STRIDES, Key, Side
+from ahmss.walking.course import Course
+from ahmss.walking.legs import foot_frames
+from ahmss.walking.library import Library
+from ahmss.walking.nominal import Nominal, clip_of, join, length_of, stretched, woven
+from ahmss.walking.selection import Selection, bins, candidates, measured, select
+from ahmss.walking.shaping import Ends, Line, Shaped, shape
+
+__all__ = ["Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stride_at"]
+
+_FORWARD = np.array([1.0, 0.0, 0.0])
+_MIRROR = np.array([1.0, -1.0, 1.0])
+_SLOWEST, _FASTEST = 0.66, 1.4  # of the clips' cadence, that people still walk at
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How the walker stands when it does nothing else: where the feet are against the hips' floor frame.
+
+    ankles (2, 2) metres, headings (2,) radians, right and left; height: of the hips, metres.
+    """
+
+    ankles: Array
+    headings: Array
+    height: float
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, library: Library) -> Standing:
+        """As the library's walks begin, on this skeleton: the rotations are the clips', the height follows from them."""
+        clip = next(clip for key, clip in library.clips.items() if key.kind == "start")
+        ankles, q = foot_frames(skeleton, clip.rotations[:1], np.zeros((1, 3)))
+        soles = ankles[0, :, None] + rotate(q[0][:, None], np.stack([skeleton.soles, skeleton.soles * _MIRROR]))
+        ahead = rotate(q[0], _FORWARD)
+        return cls(ankles[0, :, :2], np.arctan2(ahead[:, 1], ahead[:, 0]), -float(soles[..., 2].min()))
+
+
+@dataclass(frozen=True)
+class Footing:
+    """Where a human's feet stand, and where its hips would be if it stood at ease on them.
+
+    ankles (2, 2) metres, headings (2,) radians, right and left; place (2,), heading in radians.
+    """
+
+    ankles: Array
+    headings: Array
+    place: Array
+    heading: float
+
+
+def footing(skeleton: Skeleton, rotations: Array, root: Array, standing: Standing) -> Footing:
+    """Of a pose (43, 4), (3,) in the world."""
+    frames = feet_of(skeleton, rotations, root)
+    ahead = rotate(frames[:, 3:], _FORWARD)
+    headings = np.arctan2(ahead[:, 1], ahead[:, 0])
+    heading = float(np.arctan2(ahead[:, 1].sum(), ahead[:, 0].sum()))
+    back = -float(standing.ankles[:, 0].mean())
+    place = frames[:, :2].mean(axis=0) + back * np.array([np.cos(heading), np.sin(heading)])
+    return Footing(frames[:, :2], headings, place, heading)
+
+
+@dataclass(frozen=True)
+class Journey:
+    """A planned walk.
+
+    shaped: its frames, 0 the present one. seams: the frames at which clips meet, at each of which, but the first and the
+    last, a foot lands and the walk may go on otherwise. natural, fewest, most: frames that it takes as a person does, at
+    the briskest, at the slowest.
+    """
+
+    selection: Selection
+    shaped: Shaped
+    line: Line
+    nominal: Nominal
+    natural: int
+    fewest: int
+    most: int
+
+    @property
+    def seams(self) -> tuple[int, ...]:
+        """The frames at which clips meet."""
+        return self.nominal.seams
+
+
+def journey(
+    skeleton: Skeleton, library: Library, standing: Standing, now: Footing, course: Course, facing: float,
+    frames: int = 0,
+) -> Journey:  # fmt: skip
+    """Plan a walk from standing to standing.
+
+    Args:
+        skeleton: of who walks.
+        library: the clips.
+        standing: how the walker stands.
+        now: its footing at the start.
+        course: the way from `now.place` to the goal.
+        facing: the heading at the goal, radians, world.
+        frames: how many to take; 0: as a person would. What no person could do is brought within what they can.
+    """
+    scale = standing.height / library.hip_height
+    begin, over = (float(course.heading[0]), float(course.heading[-1])) if course.length > 1e-3 else (now.heading,) * 2
+    d, f, mirror = bins(np.degrees(_wrapped(begin - now.heading)), np.degrees(_wrapped(facing - over)))
+    lengths = measured(candidates(d, f), lambda key: scale * length_of(clip_of(library, key)))
+    chosen = select(lengths, max(course.length, 1e-4))
+    nominal = join(woven(library, d, f, chosen, mirror=mirror), scale)
+    natural = len(nominal.root) - 1
+    fewest, most = int(np.ceil(natural / _FASTEST)), int(natural / _SLOWEST)
+    if frames:
+        nominal = _in_frames(nominal, int(np.clip(frames, fewest, most)))
+    sign = -1.0 if mirror else 1.0
+    x = nominal.root[list(nominal.seams), 0]
+    one = len(x) == 2
+    line = Line(
+        course, length=float(x[-1]), first=float(x[-1] if one else x[1]), last=float(x[-1] if one else x[-2]),
+        start=chosen.start_ratio, end=chosen.end_ratio,
+        turn_first=_wrapped(now.heading - begin + sign * np.radians(d)),
+        turn_last=_wrapped(facing - over - sign * np.radians(f)),
+    )  # fmt: skip
+    ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
+    shaped = shape(skeleton, nominal, line, ends, standing.height)
+    return Journey(chosen, shaped, line, nominal, natural, fewest, most)
+
+
+@dataclass(frozen=True)
+class Stride:
+    """A walker in the middle of a walk, one foot about to land.
+
+    ahead: the foot that lands. place (2,), heading: of the line at the hips. ankles (2, 2), headings (2,): of the feet, the
+    one that lands where it will stand.
+    """
+
+    ahead: Side
+    place: Array
+    heading: float
+    ankles: Array
+    headings: Array
+
+
+def stride_at(going: Journey, seam: int) -> Stride:
+    """The walker at an inner seam of a walk."""
+    frame = going.seams[seam]
+    root, shaped = going.nominal.root[frame], going.shaped
+    place, heading = going.line.course.at(going.line.along(root[:1])[0])
+    ahead: Side = "left" if going.nominal.bearing[frame - 1, 0].any() else "right"
+    prints = [one.at(frame) for one in shaped.footprints]
+    ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
+    return Stride(ahead, place[0], float(heading[0]), ankles, headings)
+
+
+def onward(
+    skeleton: Skeleton, library: Library, standing: Standing, now: Stride, course: Course, facing: float
+) -> Journey:
+    """Go on walking along another course, which begins at `now.place` in its heading."""
+    scale = standing.height / library.hip_height
+    _, f, mirror = bins(0.0, np.degrees(_wrapped(facing - float(course.heading[-1]))))
+    chosen = _rest(library, scale, f, mirror, now.ahead, course.length)
+    clips = [clip_of(library, STRAIGHT, mirror=(now.ahead == "left") != (i % 2 == 1)) for i in range(chosen.steps)]
+    end = Key("end", 0, -f if mirror else f, chosen.stride, chosen.last)
+    nominal = join([*clips, clip_of(library, end)], scale)
+    x = nominal.root[list(nominal.seams), 0]
+    line = Line(
+        course, length=float(x[-1]), first=0.0, last=float(x[-2]), start=1.0, end=chosen.end_ratio,
+        turn_first=_wrapped(now.heading - float(course.heading[0])),
+        turn_last=_wrapped(facing - float(course.heading[-1]) - np.radians(-f if mirror else f)),
+    )  # fmt: skip
+    ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
+    shaped = shape(skeleton, nominal, line, ends, standing.height)
+    natural = len(nominal.root) - 1
+    return Journey(chosen, shaped, line, nominal, natural, natural, natural)
+
+
+def _rest(library: Library, scale: float, facing: int, mirror: bool, ahead: Side, distance: float) -> Selection:
+    """How many straights and which end for the rest of a way: that which is shrunk or stretched least."""
+    straight = scale * length_of(clip_of(library, STRAIGHT))
+    other: Side = "left" if ahead == "right" else "right"
+    best: tuple[float, Selection] | None = None
+    for steps in range(int(distance / straight) + 2):
+        last = ahead if steps % 2 == 0 else other
+        for stride in STRIDES:
+            key = Key("end", 0, -facing if mirror else facing, stride, last)
+            ratio = (distance - steps * straight) / (scale * length_of(clip_of(library, key)))
+            badness = abs(np.log(ratio)) if ratio > 0.0 else np.inf
+            if best is None or badness < best[0]:
+                best = (float(badness), Selection("3Parts", stride, steps, last, 1.0, max(ratio, 0.05)))
+    assert best is not None
+    return best[1]
+
+
+def _in_frames(nominal: Nominal, frames: int) -> Nominal:
+    natural = len(nominal.root) - 1
+    return nominal if frames == natural else stretched(nominal, np.linspace(0.0, natural, frames + 1))
+
+
+def _stood(standing: Standing, place: Array, heading: float) -> tuple[Array, Array]:
+    """Where the feet stand when the hips are over a place."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    turned = standing.ankles @ np.array([[cos, sin], [-sin, cos]])
+    return place + turned, standing.headings + heading
+
+
+def _wrapped(angle: float) -> float:
+    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

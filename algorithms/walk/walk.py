@@ -1,0 +1,114 @@
+"""Walking to a place (Ichiguchi 2000, 5.3.2 and appendix A), from the clips that the action names as its motion.
+
+The way round things, the clips, their shrinking and bending are in `ahmss.walking`; here is what of it concerns a task:
+where to, what is in the way, and how much the walk cares for each joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ahmss.algorithm import HumanTask, run
+from ahmss.body.array import Array
+from ahmss.body.links import LINKS
+from ahmss.errors import AlgorithmError
+from ahmss.walking.goals import Goal, beside, facing_of
+from ahmss.walking.trip import Ground, Piece, Trip, Walker
+
+FEET = slice(2, 4)
+CARES = {"hips": 1.0, "upper_leg": 1.0, "lower_leg": 1.0, "foot": 1.0, "spine": 0.4, "head": 0.08}
+CARES |= {"upper_arm": 0.15, "lower_arm": 0.15, "hand": 0.15}
+LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
+
+
+def walk(task: HumanTask) -> Iterator[Array]:
+    """The frames of the walk, a step at a time."""
+    if task.library is None:
+        raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
+    if task.start.root[2] < LOWEST * task.human.upright()[1][2]:
+        raise AlgorithmError("one must stand to walk; stand up first")
+    ground = _ground(task)
+    goal = _goal(task, ground)
+    others = _Others(task)
+    trip = Trip(
+        task.human, task.library, ground, goal.place, goal.facing, task.length, others.now, getattr(task, "note", print),
+    )  # fmt: skip
+    for piece in trip.pieces(task.start.rotations, task.start.root):
+        yield _rows(task, piece)
+
+
+def _ground(task: HumanTask) -> Ground:
+    """The footprints of all that stands about."""
+    things = [thing for thing in (*task.world.values(), task.object) if thing is not None and thing.kind != "human"]
+    shapes = [(ring, thing.name) for thing in things for ring in thing.occupied]
+    return Ground([ring for ring, _ in shapes], [name for _, name in shapes])
+
+
+def _goal(task: HumanTask, ground: Ground) -> Goal:
+    """Where to: a place, or where one stands to use an object; or only which way to turn."""
+    thing, place, facing = task.goal_object, task.goal_place, task.goal_facing
+    root = task.start.root[:2]
+    if thing is not None:
+        if "stand" in thing.sites:
+            site = thing.site("stand", task.start.root)
+            own = facing_of(site.rotation)
+            return Goal(site.place[:2], own if facing is None else facing)
+        goal = beside(thing.place[:2], root, ground.outlines)
+        return goal if facing is None else Goal(goal.place, facing)
+    if place is not None:
+        return Goal(place[:2], facing)
+    if facing is None:
+        raise AlgorithmError("where to? add `to X Y`, `to` and an object, or `facing` and degrees to turn on the spot")
+    return Goal(root, facing)
+
+
+class _Others:
+    """The other humans, and how fast they go."""
+
+    def __init__(self, task: HumanTask) -> None:
+        self._task = task
+        self._before: dict[int, tuple[int, Array, Array]] = {}
+
+    def now(self) -> Sequence[Walker]:
+        """Who is on the floor; their speed is that since they were last asked for."""
+        k, found = self._task.present.k, []
+        for number, human in self._task.world.items():
+            if human.kind != "human":
+                continue
+            place = human.place[:2].copy()
+            before = self._before.get(number)
+            velocity = np.zeros(2)
+            if before is not None:
+                since = (k - before[0]) / self._task.rate
+                velocity = (place - before[1]) / since if since > 0.0 else before[2]
+            if before is None or k > before[0]:
+                self._before[number] = k, place, velocity
+            found.append(Walker(place, velocity))
+        return found
+
+
+def _rows(task: HumanTask, piece: Piece) -> Array:
+    """POSE rows (n, 260): the feet as targets, so that they stand whatever the walk is blended with."""
+    n = len(piece.root)
+    rotations = np.repeat(task.start.rotations[None], n, axis=0)
+    rotations[:, : piece.rotations.shape[1]] = piece.rotations
+    targets = np.zeros((n, 5, 8))
+    targets[:, FEET, :3], targets[:, FEET, 3:7], targets[:, FEET, 7] = piece.ankles, piece.feet, 1.0
+    return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
+
+
+def _importance() -> Array:
+    """How much each joint, and the root, matters (44,): legs and pelvis all, arms little, the head less."""
+    out = np.zeros(len(LINKS) + 1)
+    for i, link in enumerate(LINKS[:15]):
+        out[i] = CARES[link.removeprefix("right_").removeprefix("left_")]
+    out[-1] = 1.0
+    return out
+
+
+IMPORTANCE = _importance()
+
+if __name__ == "__main__":
+    run(walk)
