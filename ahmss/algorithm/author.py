@@ -140,11 +140,15 @@ def serve(function: Function, channel: Channel) -> None:
             if message[0] != Kind.FRAME:
                 raise ProtocolError(f"a message of kind {message[0]} where FRAME or STOP was expected")
             if not performance.step(_numbers(message[1])):
-                channel.write(encode(Kind.DONE))
+                channel.write(*_notes(performance), encode(Kind.DONE))
                 return
             _answer(channel, performance, header)
             if performance.over:
                 return
+    except Exception:
+        if notes := _notes(performance):
+            channel.write(*notes)
+        raise
     finally:
         performance.close()
 
@@ -157,13 +161,18 @@ def _numbers(payload: memoryview) -> Array:
 
 
 def _answer(channel: Channel, performance: Performance, header: bytes) -> None:
-    """Send what changed, the pose, and DONE behind the last one, all in one write."""
-    parts = [header, performance.row.data.cast("B")]
+    """Send what changed and what is noted, the pose, and DONE behind the last one, all in one write."""
+    parts = [*_notes(performance), header, performance.row.data.cast("B")]
     if performance.states and performance.task.object is not None:
         parts.insert(0, encode_state(State(performance.task.object.id, dict(performance.states))))
     if performance.over:
         parts.append(encode(Kind.DONE))
     channel.write(*parts)
+
+
+def _notes(performance: Performance) -> list[bytes | memoryview]:
+    """The messages of what the function has noted."""
+    return [encode(Kind.NOTE, text.encode()[:4096]) for text in performance.news()]
 
 
 def _line(error: Exception) -> str:

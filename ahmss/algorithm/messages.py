@@ -3,9 +3,9 @@
     length u32 | kind u8 | payload          little-endian; length is the payload's, at most 16 MB
 
 Main writes START once, then FRAME k for each frame it wants, then STOP; the algorithm answers READY to START and POSE k
-(an object algorithm OBJECT k) to FRAME k. STATE, DONE and ERROR come from it when there is something to say.
-START, READY and STATE are JSON, ERROR is text; FRAME, POSE and OBJECT are blocks of float64, laid out by the tables
-below. docs/protocol.md is written from this module.
+(an object algorithm OBJECT k) to FRAME k. STATE, NOTE, DONE and ERROR come from it when there is something to say.
+START, READY and STATE are JSON, NOTE and ERROR are text; FRAME, POSE and OBJECT are blocks of float64, laid out by the
+tables below. docs/protocol.md is written from this module.
 """
 
 from __future__ import annotations
@@ -68,6 +68,7 @@ class Kind(IntEnum):
     STATE = 19
     DONE = 20
     ERROR = 21
+    NOTE = 22
 
 
 # --- blocks of float64 ------------------------------------------------------------------------------------------------

@@ -37,6 +37,7 @@ class Performance:
         self._answers: Iterator[Answer] | None = None
         self._block = np.zeros((0, self.width))
         self._next = 0
+        self._noted = 0
         self._whole = False  # the block is all that will come
         self._told = dict(self.task.object.states) if self.task.object is not None else {}
         self.row = self._row
@@ -65,6 +66,11 @@ class Performance:
             return True
         return 0 < self.task.length <= self.row[0]
 
+    def news(self) -> list[str]:
+        """The notes that came since the last call."""
+        first, self._noted = self._noted, len(self.task.notes)
+        return self.task.notes[first:]
+
     def close(self) -> None:
         """Let the function's `finally` run."""
         close = getattr(self._answers, "close", None)
@@ -88,7 +94,7 @@ class Performance:
             raise TypeError(f"expected a {self._pose_type.__name__} (see task.pose), got {type(answer).__name__}")
         answer.pack(self._row)
         self.row = self._row
-        self.states = self._news(answer.states)
+        self.states = self._changed(answer.states)
         return True
 
     def _take_block(self, rows: Array) -> None:
@@ -100,7 +106,7 @@ class Performance:
             self._block = self._block.copy()
         self._next = 0
 
-    def _news(self, states: Mapping[str, Any]) -> Mapping[str, Any]:
+    def _changed(self, states: Mapping[str, Any]) -> Mapping[str, Any]:
         """Those of the states that differ from what was last told."""
         if not states:
             return states

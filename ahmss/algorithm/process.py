@@ -20,12 +20,14 @@ from ahmss.algorithm.stream import Inbound, Log, Outbound
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError, ProtocolError
 
-__all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Phase"]
+__all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Note", "Phase"]
 
 _FRAME_NUMBER = struct.Struct("<d")
 _STOP = encode(Kind.STOP)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
 _LOG_EACH = 8  # times that it is tended, to one look at its log
+_LONGEST_LINE = 4096  # bytes of a text that are read
+_MOST_NOTES = 20  # that one process may tell
 _LATE = 0.05  # seconds of silence after which it may have died, its output held open by what it started
 
 
@@ -52,7 +54,13 @@ class Done(NamedTuple):
     k: int
 
 
-Message = Answer | State | Done
+class Note(NamedTuple):
+    """Something to tell the person that is no failure, in one line; each is told once."""
+
+    text: str
+
+
+Message = Answer | State | Note | Done
 
 
 class Deadlines(msgspec.Struct, frozen=True):
@@ -69,7 +77,7 @@ class AlgorithmProcess:
 
         process.ask(encode_frame(...))
         launcher.wait([process], 0.016)
-        for message in process.receive(): ...      # Answer, State, Done; raises AlgorithmError once
+        for message in process.receive(): ...      # Answer, State, Note, Done; raises AlgorithmError once
 
     name: the algorithm's. human: whether it moves the human. phase: see Phase. pending: the frame asked for and not
     yet answered, or 0. last: the last frame answered. failure: the AlgorithmError that ended it, or None. ended: its
@@ -105,6 +113,7 @@ class AlgorithmProcess:
         self._inbound = Inbound(child.pipes.output)
         self._log = Log(child.pipes.error)
         self._inbox: deque[Message] = deque()
+        self._notes: set[str] = set()
         self._asked = time.monotonic()
         self._silent: float | None = None  # when its output was seen to have ended
         self._escalate: float | None = None  # when the next, harder means to end it is due
@@ -248,11 +257,12 @@ class AlgorithmProcess:
             self._greeted()
         elif kind == Kind.DONE:
             self._done()
+        elif kind == Kind.NOTE:
+            self._note(_line(payload))
         elif kind == Kind.ERROR:
-            reason = " ".join(bytes(payload[:4096]).decode(errors="replace").split())
-            self.fail(reason or "it failed without saying why")
+            self.fail(_line(payload) or "it failed without saying why")
         else:
-            allowed = f"READY, {self._kind.name}, STATE, DONE and ERROR"
+            allowed = f"READY, {self._kind.name}, STATE, NOTE, DONE and ERROR"
             hint = "does it print to its standard output?"
             raise ProtocolError(f"it sent a message of kind {kind}; {allowed} are allowed ({hint})")
 
@@ -268,6 +278,12 @@ class AlgorithmProcess:
             self._greeted()
         self.last, self.pending = self.pending, 0
         self._inbox.append(Answer(self.last, row))
+
+    def _note(self, text: str) -> None:
+        """Something to tell; what says the same again, or too much, is not told."""
+        if text and text not in self._notes and len(self._notes) < _MOST_NOTES:
+            self._notes.add(text)
+            self._inbox.append(Note(text))
 
     def _greeted(self) -> None:
         """It has spoken: from here on each frame has its own deadline."""
@@ -342,3 +358,8 @@ class AlgorithmProcess:
         os.close(self._inbound.source)
         os.close(self._log.source)
         self.ended = True
+
+
+def _line(payload: memoryview) -> str:
+    """A text in one line."""
+    return " ".join(bytes(payload[:_LONGEST_LINE]).decode(errors="replace").split())

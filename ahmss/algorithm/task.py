@@ -62,8 +62,8 @@ class Task:
 
     length: N, the frames asked for; 0: as many as the motion needs. rate: frames a second. hand: "right", "left" or "".
     hold: what the action does to the object. random: numpy's generator, seeded by main. object: the target, or None.
-    world: the other objects that algorithm.toml asked for, by id. start: the human at frame 0; present: at the frame
-    being computed.
+    world: the other objects that algorithm.toml asked for, by id. notes: what `note` was told. start: the human at
+    frame 0; present: at the frame being computed.
     """
 
     def __init__(self, start: Start) -> None:
@@ -75,6 +75,7 @@ class Task:
         self.parameters: Mapping[str, Any] = start.parameters
         self.directory = Path(start.directory)
         self.object = WorldObject.of(start.object) if start.object is not None else None
+        self.notes: list[str] = []
         self.world = {record.id: WorldObject.of(record) for record in start.world}
 
     @cached_property
@@ -168,6 +169,10 @@ class Task:
         if type(value) is not type(default):
             raise TypeError(f"parameter {name} = {value!r} is no {type(default).__name__}")
         return cast(Value, value)
+
+    def note(self, text: str) -> None:
+        """Tell the person something in one line that is no failure; the same again is not told again."""
+        self.notes.append(" ".join(text.split()))
 
     def see(self, row: Array) -> None:
         """Take in the numbers of a FRAME: the human, and whatever moved. Called by the runtime.

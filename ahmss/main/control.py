@@ -8,7 +8,7 @@ import numpy as np
 
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import FRAME_OBJECT, HEADER, Kind, State, size
-from ahmss.algorithm.process import Answer
+from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
 from ahmss.errors import AhmssError, Unreachable
 from ahmss.main.blending import Blending, Contribution
@@ -28,16 +28,17 @@ class Control:
 
     Args:
         say: is told in one line what went wrong; nothing here raises for a process.
+        note: is told in one line what an algorithm wants the person to know.
         actor: gives the human as it is now.
         seed: of the run; each motion gets one of its own from it.
     """
 
     def __init__(
         self, database: Database, communication: Communication, launcher: Launcher, say: Callable[[str], None],
-        actor: Callable[[], Actor], *, rate: float, seed: int = 0,
+        note: Callable[[str], None], actor: Callable[[], Actor], *, rate: float, seed: int = 0,
     ) -> None:  # fmt: skip
         self._database, self._communication, self._launcher, self._say = database, communication, launcher, say
-        self._actor, self._rate, self._seed = actor, rate, seed
+        self._note, self._actor, self._rate, self._seed = note, actor, rate, seed
         self._motions: list[Motion] = []
         self._movers: dict[str, Mover] = {}
         self._surroundings, self._people = Surroundings(), People()
@@ -312,6 +313,8 @@ class Control:
                     came = True
                 elif isinstance(message, State):
                     self._change_states(message)
+                elif isinstance(message, Note):
+                    self._note(f"{motion.order.title}: {message.text}")
                 else:
                     motion.over = True
         except AhmssError as error:
@@ -337,6 +340,8 @@ class Control:
                         pose = message.row[1:8]
                     elif isinstance(message, State):
                         self._change_states(message)
+                    elif isinstance(message, Note):
+                        self._note(f"{mover.order.title}: {message.text}")
             except AhmssError as error:
                 self._lose(mover, str(error))
         if late:

@@ -57,7 +57,10 @@ class Setup:
 
 @dataclass
 class Report:
-    """What a main has done: frames, those that began late, those that a motion missed, seconds, failures."""
+    """What a main has done: frames, those that began late, those that a motion missed, seconds, failures.
+
+    messages: what went wrong. notes: what else algorithms had to say.
+    """
 
     human: str
     frames: int = 0
@@ -66,6 +69,7 @@ class Report:
     seconds: float = 0.0
     failures: int = 0
     messages: list[str] = field(default_factory=list[str])
+    notes: list[str] = field(default_factory=list[str])
 
 
 class MainProcess:
@@ -101,7 +105,7 @@ class MainProcess:
         self.blending = Blending(model.skeleton, rotations, root, setup.rate)
         self.control = Control(
             self.database, self.communication, Launcher(deadlines=deadlines, notice=say), self.trouble,
-            lambda: self.actor, rate=setup.rate, seed=setup.seed,
+            self.note, lambda: self.actor, rate=setup.rate, seed=setup.seed,
         )  # fmt: skip
         self.agenda = Agenda(self, setup)
         self.layout = Layout(self.workspace, self.communication, self.trouble)
@@ -206,3 +210,8 @@ class MainProcess:
         self.report.failures += 1
         self.report.messages.append(reason)
         self._say(reason)
+
+    def note(self, text: str) -> None:
+        """Say in one line what is worth knowing and no failure."""
+        self.report.notes.append(text)
+        self._say(text)

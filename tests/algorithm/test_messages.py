@@ -36,7 +36,7 @@ def numbers(message: bytes) -> tuple[float, ...]:
 
 def test_the_kinds_keep_their_numbers():
     known = {"START": 1, "FRAME": 2, "STOP": 3, "READY": 16, "POSE": 17, "OBJECT": 18, "STATE": 19, "DONE": 20}
-    assert {kind.name: int(kind) for kind in Kind} == known | {"ERROR": 21}
+    assert {kind.name: int(kind) for kind in Kind} == known | {"ERROR": 21, "NOTE": 22}
 
 
 @pytest.mark.parametrize("name", ["start", "start_object"])
@@ -92,6 +92,7 @@ def test_the_short_messages_are_these_bytes():
     assert encode(Kind.STOP) == golden("stop") == b"\0\0\0\0\x03"
     assert encode(Kind.DONE) == golden("done") == b"\0\0\0\0\x14"
     assert encode(Kind.ERROR, b"the cup is out of reach") == golden("error")
+    assert encode(Kind.NOTE, b"30 frames are too few for 4.2 m; it takes 210") == golden("note")
     assert encode(Kind.READY, msgspec.json.encode(Ready())) == golden("ready")
     assert messages.encode_state(State(7, {"power": "on", "angle": 0.5})) == golden("state")
     assert decode_state(golden("state")[5:]) == State(7, {"power": "on", "angle": 0.5})
@@ -168,6 +169,7 @@ def write_golden() -> None:
         "stop": encode(Kind.STOP),
         "done": encode(Kind.DONE),
         "error": encode(Kind.ERROR, b"the cup is out of reach"),
+        "note": encode(Kind.NOTE, b"30 frames are too few for 4.2 m; it takes 210"),
         "ready": encode(Kind.READY, msgspec.json.encode(Ready())),
         "state": messages.encode_state(State(7, {"power": "on", "angle": 0.5})),
     }

@@ -10,7 +10,7 @@ import pytest
 from algorithm_rig import Entry, failure, frame, gone, object_frame, peer, play, wait_for
 
 from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.process import Answer, Deadlines, Phase
+from ahmss.algorithm.process import Answer, Deadlines, Note, Phase
 from ahmss.errors import AlgorithmError
 
 SENTENCES = {
@@ -28,7 +28,8 @@ SENTENCES = {
     "heavy_target": "heavy_target at frame 3: the weight of target right_hand is 2; 0 to 1 is allowed",
     "wrong_frame": "wrong_frame at frame 3: it sent frame 7 where frame 3 was asked for",
     "too_eager": "it sent (a frame though none was asked for|frame 4 where frame 5 was asked for)",
-    "wrong_kind": "wrong_kind at frame 3: it sent a message of kind 18; READY, POSE, STATE, DONE and ERROR are allowed",
+    "wrong_kind": "wrong_kind at frame 3: it sent a message of kind 18; "
+    "READY, POSE, STATE, NOTE, DONE and ERROR are allowed",
     "bad_state": "bad_state at frame 3: STATE: Expected `int`, got `str`",
     "half_a_message": "half_a_message at frame 3: it ended with exit code 0 before its motion was over",
     "closes_output": "closes_output at frame 3: it closed its standard output before its motion was over",
@@ -77,6 +78,20 @@ def test_a_slow_start_is_waited_for(launcher, make_start):
     assert process.phase is Phase.STARTING
     assert launcher.wait([process], 20.0)
     assert [m.k for m in process.receive()] == [1]
+
+
+def test_notes_are_told_once_each_and_fail_nothing(launcher, make_start):
+    process = launcher.start(peer("notes"), make_start(frames=3))
+    said = [m for m in play(launcher, process, 3) if isinstance(m, Note)]
+    assert said == [Note("a note of two lines"), Note("another")]
+    assert wait_for(lambda: (process.receive() and False) or process.phase is Phase.DONE)
+
+
+def test_a_flood_of_notes_is_bounded(launcher, make_start):
+    process = launcher.start(peer("floods_notes"), make_start(frames=3))
+    said = play(launcher, process, 3)
+    assert [m.k for m in said if isinstance(m, Answer)] == [1, 2, 3]
+    assert [m.text for m in said if isinstance(m, Note)] == [f"note {i}" for i in range(20)]
 
 
 def test_one_that_never_speaks_is_given_up(make_start):

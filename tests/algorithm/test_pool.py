@@ -17,7 +17,7 @@ from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for, wa
 
 from ahmss.algorithm.hire import Pool
 from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.process import Answer, Deadlines, Phase
+from ahmss.algorithm.process import Answer, Deadlines, Note, Phase
 from ahmss.algorithm.runtime import Meeting, private_directory, sweep
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip, save
@@ -136,6 +136,26 @@ def test_a_walk_library_reaches_the_algorithm(warm_launcher, make_start, tmp_pat
     for _ in range(2):
         process = warm_launcher.start(tells(), make_start(frames=0, motion=str(tmp_path / "walk.npz")))
         assert facts(warm_launcher, process)["walk"] == ["straight"]
+
+
+def test_notes_come_before_the_pose_the_end_and_the_error(warm_launcher, make_start, tmp_path):
+    (tmp_path / "says.py").write_text(
+        "from ahmss.algorithm import run\ndef says(task):\n    task.note('one')\n    yield task.pose({})\n"
+        "    task.note('two')\n    if task.hand == 'left':\n        raise ValueError('too far')\nrun(says)\n"
+    )
+    for hand in ("right", "left"):
+        entry = Entry("says", ("python", "says.py"), tmp_path)
+        process = warm_launcher.start(entry, make_start(frames=0, hand=hand))
+        first = play(warm_launcher, process, 1)
+        assert [m.text if isinstance(m, Note) else m.k for m in first] == ["one", 1]
+        process.ask(frame(2))
+        assert warm_launcher.wait([process], 20.0)
+        assert process.receive()[0] == Note("two")
+        if hand == "left":
+            with pytest.raises(AlgorithmError, match="too far"):
+                process.receive()
+        else:
+            assert process.phase is Phase.DONE
 
 
 def test_a_python_algorithm_that_crashes_is_told_by_its_signal(warm_launcher, make_start):

@@ -256,6 +256,23 @@ def test_names_give_importance_and_targets(make_start):
     np.testing.assert_array_equal(pose.targets[4], np.arange(8.0))
 
 
+def test_notes_are_kept_and_said_with_the_next_answer(make_start):
+    def says(task: HumanTask):
+        task.note("30 frames\nare too few")
+        for k in task.frames():
+            if k == 2:
+                task.note("half way")
+            yield task.pose({})
+
+    performance = Performance(says, make_start(frames=3))
+    told = []
+    for k in range(1, 4):
+        performance.step(np.concatenate([[k], np.zeros(189)]))
+        told.append(performance.news())
+    assert told == [["30 frames are too few"], ["half way"], []]
+    assert performance.task.notes == ["30 frames are too few", "half way"]
+
+
 def test_a_function_that_is_left_early_cleans_up(make_start):
     ended = []
 

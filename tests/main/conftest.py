@@ -135,6 +135,8 @@ from ahmss.algorithm import HumanTask, run
 def stroll(task: HumanTask):
     """A centimetre a frame, or so that the frames asked for suffice."""
     goal = task.goal_place[:2]
+    if task.length and task.length < 100 * np.linalg.norm(goal - task.start.root[:2]):
+        task.note(f"{task.length} frames are few")
     pace = np.linalg.norm(goal - task.start.root[:2]) / task.length if task.length else 0.01
     for _ in task.frames():
         way = goal - task.present.root[:2]

@@ -130,6 +130,13 @@ def test_a_motion_that_takes_as_long_as_it_needs_is_asked_until_it_is_done(ken: 
     assert next(k for k, angle in enumerate(again.angles(SPINE)) if angle > 1e-3) < 25
 
 
+def test_what_an_algorithm_notes_is_said_with_its_title_and_is_no_failure(ken: MainProcess) -> None:
+    x, y, _ = ken.blending.root.tolist()
+    report = ken.play(steps(f"do b stroll to {x + 0.5} {y} frames 20"))
+    assert report.notes == ["b stroll: 20 frames are few"]
+    assert (report.failures, report.messages, ken.control.failures) == (0, [], 0)
+
+
 def test_a_target_is_met_at_the_end_without_a_jump_on_the_way(ken: MainProcess) -> None:
     x, y, z = (ken.blending.grips[0, :3] + [0.2, 0.0, 0.2]).tolist()
     film = Film(ken, f"add box as c at {x} {y} {z - 0.05}", "do c touch hand right frames 40")

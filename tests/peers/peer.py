@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 
-START, FRAME, STOP, READY, POSE, OBJECT, STATE, DONE, ERROR = 1, 2, 3, 16, 17, 18, 19, 20, 21
+START, FRAME, STOP, READY, POSE, OBJECT, STATE, DONE, ERROR, NOTE = 1, 2, 3, 16, 17, 18, 19, 20, 21, 22
 
 
 def get(size):
@@ -98,6 +98,14 @@ def misbehave(how, k, frame):
         child = subprocess.Popen(["sleep", "600"])
         print(child.pid, file=sys.stderr, flush=True)
         os._exit(3)
+    elif how == "notes" and k < 3:
+        put(NOTE, b"a note\nof two lines")
+        put(NOTE, b"" if k == 1 else b"another")
+        return False
+    elif how == "floods_notes":
+        for i in range(1000):
+            put(NOTE, b"note %d" % i)
+        return False
     else:
         return False
     return True
