@@ -22,22 +22,22 @@ class Gait:
     arms, elbows and trunk: the swing for a full step.
     """
 
-    step: float = 0.725
-    frames: int = 34
-    both: int = 7
+    step: float = 0.74
+    frames: int = 35
+    both: int = 8
     width: float = 0.095
     toe_out: float = 5.0
 
     push: float = 48.0
     strike: float = 21.0
-    push_time: float = 0.235
+    push_time: float = 0.22
     flat_time: float = 0.16
-    peak: float = 0.14  # of the swing, after lift-off: when the foot points down most
+    peak: float = 0.16  # of the swing, after lift-off: when the foot points down most
     clearance: float = 0.012  # metres
 
     sink: float = 0.023
-    bob: float = 0.016
-    low: float = 0.13  # of the step, after a foot has landed: when the pelvis is lowest
+    bob: float = 0.018
+    low: float = 0.0  # of the step, after a foot has landed: when the pelvis is lowest
     turn: float = 5.5
     list: float = 4.3
     tilt: float = 1.0
@@ -46,7 +46,7 @@ class Gait:
     even: float = 3.4  # the same along the way
     roll: tuple[float, float] = (-0.01, 0.20)  # where under the foot the weight goes from and to, shares of hip height
 
-    arm: float = 21.0
+    arm: float = 23.5
     arm_rest: float = 1.0
     arm_lag: float = 0.05  # seconds
     elbow: float = 10.0

@@ -216,7 +216,7 @@ def _too_high(skeleton: Skeleton, hips: Array, root: Array, feet: FootTracks) ->
     level = np.einsum("fsi,fsi->fs", way[..., :2], way[..., :2])
     allowed = np.sqrt(np.maximum((_STRETCH * reach(skeleton)) ** 2 - level, 1e-4))
     over = np.maximum(way[..., 2] - allowed, 0.0).max(axis=1)
-    return _smooth(maximum_filter1d(over, round(0.14 * RATE), mode="nearest"), 0.045)
+    return _smooth(maximum_filter1d(over, round(0.08 * RATE), mode="nearest"), 0.035)
 
 
 def _upper_body(

@@ -21,6 +21,7 @@ __all__ = ["Planner", "Take"]
 _FIRST_LIFT = 0.62  # seconds from the beginning until the first foot leaves the ground
 _AFTER = 0.85  # seconds after the last has landed
 _OPEN = np.radians(85.0)  # how far a foot may land turned from the one that bears; more is a pivot on its toe
+_FOLLOWS = 0.6  # of a turn that the body has made when the foot that leads it lands; the rest with the other foot
 _ASIDE, _BACK = 0.62, 0.60  # a step aside and back, of one ahead
 _RUN = 5  # straight steps before what is cut out, and after it
 
@@ -122,7 +123,7 @@ class Planner:
         if steps == 1:
             return self._whole(self._closed(goal, lead, self._feet[1 - lead].heading, 0.5), direction)
         middle = Frame(0.5 * goal.x, 0.5 * goal.y, 0.5 * turn)
-        first = _Placed(lead, self._beside(middle, lead), middle.heading)
+        first = _Placed(lead, self._beside(middle, lead), _FOLLOWS * middle.heading)
         rest = self._closed(goal, 1 - lead, first.landing.heading, 0.0)
         return self._whole([first, *rest], direction)
 
@@ -171,14 +172,15 @@ class Planner:
         landing = self._beside(goal, lander)
         far = landing.heading - standing
         excess = float(np.sign(far) * max(abs(far) - _OPEN, 0.0))
+        between = standing + _FOLLOWS * (goal.heading - standing)
         if not excess:
             return [
-                _Placed(lander, landing, goal.heading),
+                _Placed(lander, landing, between),
                 _Placed(1 - lander, self._beside(goal, 1 - lander), goal.heading),
             ]
         late = (1.0 - early) * excess
         return [
-            _Placed(lander, landing.pivoted(self._toe, -late), goal.heading - late, excess - late),
+            _Placed(lander, landing.pivoted(self._toe, -late), between - 0.5 * late, excess - late),
             _Placed(1 - lander, self._beside(goal, 1 - lander), goal.heading, late),
         ]
 
