@@ -11,6 +11,7 @@ import typer
 
 from ahmss.cli_capture import capture_app
 from ahmss.cli_motion import motion_app
+from ahmss.cli_walk import walk_app
 from ahmss.errors import AhmssError
 
 __all__ = ["app", "main"]
@@ -23,6 +24,7 @@ new_app = typer.Typer(no_args_is_help=True, help="Write a working start of an ob
 app.add_typer(new_app, name="new")
 app.add_typer(motion_app, name="motion")
 app.add_typer(capture_app, name="capture")
+app.add_typer(walk_app, name="walk")
 
 Server = Annotated[str, typer.Option("--server", metavar="HOST[:PORT]", help="The server; left out: this machine's.")]
 Keys = Annotated[Path | None, typer.Option("--keys", metavar="DIR", help="Keys for a server on another machine.")]

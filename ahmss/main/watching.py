@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 from ahmss_viewer.app import ViewOptions, ViewReport, view
 
-__all__ = ["draw", "watch"]
+__all__ = ["draw", "progressing", "watch"]
 
 
 def watch(options: ViewOptions, *, as_json: bool) -> None:
@@ -29,12 +29,12 @@ def draw(options: ViewOptions, what: str) -> ViewReport:
     """View; a recording drawn into files shows how far it is. A window or a live view has no end to be near to."""
     if options.replay is None or not options.draws_files:
         return view(options)
-    with _progress(what) as progress:
+    with progressing(what) as progress:
         return view(options, progress)
 
 
 @contextmanager
-def _progress(what: str) -> Generator[Callable[[int, int], None]]:
+def progressing(what: str) -> Generator[Callable[[int, int], None]]:
     """What is told the pictures drawn and all of them."""
     if not sys.stderr.isatty():
         yield _Lines(what)

@@ -1,0 +1,59 @@
+"""`ahmss walk`: each command calls one function, and imports what it needs only when it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["walk_app"]
+
+walk_app = typer.Typer(no_args_is_help=True, help="Make walk libraries, and look at what is in them.")
+
+Library = Annotated[Path, typer.Argument(metavar="LIBRARY", help="A walk library, such as objectdb/floor/walk.npz.")]
+Workspace = Annotated[
+    Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with humandb/; left out: found.")
+]
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
+Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there.")]
+
+
+@walk_app.command()
+def build(
+    captures: Annotated[
+        Path | None,
+        typer.Argument(metavar="FOLDER", help="BVH, AMC, C3D files or clips; left out: the subject of our own walks."),
+    ] = None,
+    body: Annotated[str, typer.Option(metavar="NAME", help="A human of humandb: whose lengths.")] = "ken",
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="What to write.")] = Path("walk.npz"),
+    force: Force = False,
+    as_json: Json = False,
+    workspace: Workspace = None,
+) -> None:
+    """Make a walk library, of all 332 clips. Example: ahmss walk build my_captures --body aiko -o objectdb/floor/me.npz"""
+    from ahmss.main.walklibrary import build_library
+
+    build_library(captures, body, out, workspace, force=force, as_json=as_json)
+
+
+@walk_app.command()
+def info(library: Library, as_json: Json = False) -> None:
+    """What clips a library has, how far they get, where they come from. Example: ahmss walk info objectdb/floor/walk.npz"""
+    from ahmss.main.walklibrary import show_library
+
+    show_library(library, as_json=as_json)
+
+
+@walk_app.command()
+def export(
+    library: Library,
+    name: Annotated[str, typer.Argument(metavar="CLIP", help="Its name, as `ahmss walk info` has it.")],
+    out: Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="A clip; left out: CLIP.npz.")] = None,
+    force: Force = False,
+    workspace: Workspace = None,
+) -> None:
+    """Write one clip of a library as a motion clip. Example: ahmss walk export objectdb/floor/walk.npz start_90"""
+    from ahmss.main.walklibrary import export_clip
+
+    export_clip(library, name, out or Path(f"{name}.npz"), workspace, force=force)
