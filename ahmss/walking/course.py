@@ -38,16 +38,19 @@ class Course:
         inside = np.clip(s, 0.0, self.length)
         beyond = (s - inside)[..., None]
         if n == 1:
-            tangent = np.stack([np.cos(self.heading[0]), np.sin(self.heading[0])])
-            return self.points[0] + beyond * tangent, np.broadcast_to(self.heading[0], s.shape).copy()
+            return self.points[0] + beyond * _along(self.heading[0]), np.broadcast_to(self.heading[0], s.shape).copy()
         step = self.length / (n - 1)
         i = np.minimum((inside / step).astype(np.intp), n - 2)
         u = inside / step - i
-        tangents = step * np.stack([np.cos(self.heading), np.sin(self.heading)], axis=-1)
-        place = _hermite(self.points, tangents, i, u[..., None])
-        heading = _hermite(self.heading, np.gradient(self.heading), i, u)
-        way = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
-        return place + beyond * way, heading
+        first, last = self.heading[i], self.heading[i + 1]
+        place = _hermite(self.points[i], self.points[i + 1], step * _along(first), step * _along(last), u[..., None])
+        heading = _hermite(first, last, self._rate(i), self._rate(i + 1), u)
+        return place + beyond * _along(heading), heading
+
+    def _rate(self, i: NDArray[np.intp]) -> Array:
+        """By how much the heading changes a step at the points numbered i."""
+        before, after = np.maximum(i - 1, 0), np.minimum(i + 1, len(self.heading) - 1)
+        return (self.heading[after] - self.heading[before]) / (after - before)
 
 
 def plan(
@@ -126,10 +129,14 @@ def _straight(start: Array, goal: Array, start_heading: float | None) -> Course:
     return Course(points, np.full(len(share), np.arctan2(way[1], way[0])), length)
 
 
-def _hermite(values: Array, slopes: Array, i: NDArray[np.intp], u: Array) -> Array:
-    """Between values (n, ...) with slopes per step: at the shares u of the steps that begin with the indices i."""
-    a, b = values[i], values[i + 1]
-    return a + u * u * (3.0 - 2.0 * u) * (b - a) + u * (1.0 - u) * ((1.0 - u) * slopes[i] - u * slopes[i + 1])
+def _along(heading: Array) -> Array:
+    """Unit vectors (..., 2) of headings (...)."""
+    return np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+
+
+def _hermite(a: Array, b: Array, slope_a: Array, slope_b: Array, u: Array) -> Array:
+    """Between values a and b, with the slopes there per step, at the share u of the step."""
+    return a + u * u * (3.0 - 2.0 * u) * (b - a) + u * (1.0 - u) * ((1.0 - u) * slope_a - u * slope_b)
 
 
 def _within(around: Obstacles, start: Array, goal: Array) -> str:
@@ -162,9 +169,12 @@ def _closed_off(around: Obstacles, start: Array, goal: Array) -> str:
 
 def _free(around: Obstacles, start: Array, goal: Array) -> str:
     """The place nearest to a goal that is free and can be reached, as it is typed."""
-    floor, _ = walls_around(start, shapely.buffer(around.shapes, 1.01 * around.radius, quad_segs=8))
-    place = shapely.get_coordinates(shapely.shortest_line(floor, shapely.Point(goal)))[0]
-    return "{:.2f} {:.2f}".format(*place)
+    reached, _ = walls_around(start, around.blocked(around.ends(start, start, SLOPE / 4.0)))
+    wide = shapely.union_all(shapely.buffer(around.shapes, 1.01 * around.radius, quad_segs=8))
+    free = shapely.difference(reached, wide)
+    if free.is_empty:
+        free = shapely.Point(start)
+    return "{:.2f} {:.2f}".format(*shapely.get_coordinates(shapely.shortest_line(free, shapely.Point(goal)))[0])
 
 
 def _spoken(place: Array) -> str:

@@ -23,6 +23,7 @@ __all__ = ["NEAREST", "SLOPE", "Ends", "NoWay", "Obstacles", "nearest_free"]
 NEAREST = 0.12  # metres from a footprint to the middle of one who stands at it: half a trunk's depth
 SLOPE = 0.4  # by how much the clearance grows with the way from a place that lacks it: 24 degrees off an edge
 _STEEP = 0.8  # the same for one who starts within a footprint: straight out
+_BENT = 0.5  # of that growth, what is left where a way bends
 _LEVELS = 3  # steps by which that growth is cut from the blocked floor
 _QUARTER = 2  # segments of a rounded corner of 90 degrees
 
@@ -69,10 +70,15 @@ class Obstacles:
 
     def clearance(self, place: Array) -> Array:
         """(m,) metres from a place (2,) to each footprint; negative within it: the way out."""
-        point = shapely.Point(place)
-        away = np.array(shapely.distance(self.shapes, point), dtype=np.float64)
-        for i in np.flatnonzero(away <= 0.0):
-            away[i] = -shapely.distance(shapely.boundary(self.shapes[i]), point)
+        return self.signed(np.arange(len(self.shapes)), np.broadcast_to(place, (len(self.shapes), 2)))
+
+    def signed(self, which: Indices, points: Array) -> Array:
+        """(n,) metres from points (n, 2) to the obstacles numbered `which`, each to its own; negative within it."""
+        shapes, places = self.shapes[which], shapely.points(points)
+        away = np.array(shapely.distance(shapes, places), dtype=np.float64)
+        inside = np.flatnonzero(away <= 0.0)
+        if len(inside):
+            away[inside] = -shapely.distance(shapely.boundary(shapes[inside]), np.asarray(places)[inside])
         return away
 
     def ends(self, start: Array, goal: Array, slope: float = SLOPE) -> Ends:
@@ -80,19 +86,49 @@ class Obstacles:
         near = np.stack([self.clearance(start), self.clearance(goal)])
         return Ends(np.stack([start, goal]), near, np.where(near < NEAREST / 2, _STEEP, slope))
 
-    def needed(self, points: Array, which: Indices, ends: Ends) -> Array:
-        """The clearance (...) that points (..., 2) are to have from the obstacles numbered `which` (...)."""
-        away = np.linalg.norm(points[..., None, :] - ends.places, axis=-1)
-        grown = ends.clearances.T[which] + ends.slopes.T[which] * away
-        return np.minimum(self.radius, grown.min(axis=-1))
+    def left(self, ends: Ends) -> NDArray[np.bool_]:
+        """(m,) which obstacles the start lies within."""
+        return ends.clearances[0] <= 0.0
+
+    def leaving(self, points: Array, which: Indices, ends: Ends) -> NDArray[np.bool_]:
+        """(n,) whether points (n, 2) are on the way out of what the start lies within, each of its own obstacle."""
+        away = np.linalg.norm(points - ends.places[0], axis=-1)
+        return self.left(ends)[which] & (away < 1.5 * (self.radius - ends.clearances[0, which]))
+
+    def needed(self, points: Array, which: Indices, ends: Ends, full: Array | float) -> tuple[Array, Array]:
+        """The clearance (n,) that points (n, 2) are to have from the obstacles numbered `which`; its gradient (n, 2).
+
+        full: what it is away from the ends, metres, (n,) or one for all.
+        """
+        off = points[:, None, :] - ends.places
+        away = np.linalg.norm(off, axis=-1)
+        slope = ends.slopes.T[which] * np.where(ends.clearances.T[which] > 0.0, _BENT, 1.0)
+        grown = ends.clearances.T[which] + slope * away
+        end, rows = np.argmin(grown, axis=-1), np.arange(len(points))
+        least = grown[rows, end]
+        rate = np.where(least < full, slope[rows, end], 0.0) / np.maximum(away[rows, end], 1e-9)
+        return np.minimum(full, least), rate[:, None] * off[rows, end]
 
     def blocked(self, ends: Ends) -> Shapes:
         """(m,) for each obstacle the floor where the walker's middle may not be."""
-        wide: Shapes = np.asarray(shapely.buffer(self.shapes, self.radius, quad_segs=_QUARTER))
-        for end in range(2):
-            for i in np.flatnonzero(ends.clearances[end] < self.radius + 0.005):
-                wide[i] = self._opened(wide[i], int(i), ends, end)
+        wide: Shapes = np.asarray(_buffered(self.shapes, self.radius))
+        left = self.left(ends)
+        for end, i in np.argwhere((ends.clearances < self.radius + 0.005) & ~left):
+            wide[i] = self._opened(wide[i], int(i), ends, int(end))
+        if left.any():
+            wide[left] = shapely.difference(wide[left], self._way_out(ends.places[0], wide, left))
         return wide
+
+    def _way_out(self, start: Array, wide: Shapes, left: NDArray[np.bool_]) -> Any:
+        """The shortest way out of what the start lies within that leads through nothing else, a little wide."""
+        rim = shapely.segmentize(shapely.boundary(shapely.union_all(wide[left])), 0.1)
+        nearest = shapely.get_coordinates(shapely.shortest_line(rim, shapely.Point(start)))[:1]
+        exits = np.concatenate([nearest, shapely.get_coordinates(rim)])
+        exits = start + (exits - start) * 1.02
+        ways = shapely.linestrings(np.stack([np.broadcast_to(start, exits.shape), exits], axis=1))
+        shut = shapely.intersects(shapely.union_all(self.shapes[~left]), ways)
+        shut |= shapely.intersects(shapely.union_all(wide[~left]), shapely.points(exits))
+        return _buffered(ways[np.argmin(np.where(shut, np.inf, shapely.length(ways)))], 0.02)
 
     def _opened(self, wide: Any, i: int, ends: Ends, end: int) -> Any:
         """Blocked floor of obstacle i without what may be used around one of the ends."""

@@ -37,6 +37,8 @@ def shortest(start: Array, goal: Array, blocked: Shapes, start_heading: float | 
             return way
         taken[fresh] = True
         corners = np.concatenate([corners, *(_corners(blocked[i]) for i in fresh)])
+        buried, under = tree.query(shapely.points(_stood_off(corners)), predicate="intersects")
+        corners = np.delete(corners, buried[taken[under]], axis=0)
         way = _through(start, goal, corners, blocked[taken], start_heading)
         if way is None:
             return None
@@ -58,7 +60,6 @@ def _legs(begin: Array, end: Array) -> Shapes:
 
 def _through(start: Array, goal: Array, corners: Array, blocked: Shapes, heading: float | None) -> Array | None:
     """The shortest way (k, 2) over corners (n, 3, 2), given with the ones before and after; None: there is none."""
-    free = np.full(len(corners) + 2, True)
     places = np.concatenate([start[None], goal[None], _stood_off(corners)])
     i, j = np.triu_indices(len(places), 1)
     useful = _passes(places, corners, i, j) & _passes(places, corners, j, i)
