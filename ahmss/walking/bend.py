@@ -63,7 +63,7 @@ def rounded(way: Array, around: Obstacles, ends: Ends, turn_radius: float) -> tu
     for _ in range(_ROUNDS):
         course = evenly(_settled(band, length, around, ends, tree), SAMPLE)
         near = _too_near(course[0], around, ends)
-        sharp = np.abs(np.gradient(course[1])) / SAMPLE * turn_radius
+        sharp = np.abs(np.gradient(course[1])) / np.linalg.norm(course[0][1] - course[0][0]) * turn_radius
         if best is not None and (near.any() or sharp.max() > 0.93 * sharpest):
             break  # a stiffer band is of no use: there is no room
         band, _ = evenly(course[0], _STEP, smooth=False)  # as where it bends its points have come apart
@@ -151,6 +151,7 @@ def _newton(stiffness: Array, band: Array, contacts: Contacts) -> Array:
 
 
 def _energy(stiffness: Array, band: Array, contacts: Contacts) -> float:
+    """E of a band, and what its contacts store."""
     lack = contacts[2]
     pressed = np.where(lack < _SOFT, (lack + _SOFT) ** 3 / (6.0 * _SOFT), lack**2 + _SOFT**2 / 3.0)
     return float((band * _times(stiffness, band)).sum() + _PUSH * pressed.sum())
@@ -167,7 +168,7 @@ def _neighbours(band: Array, around: Obstacles, tree: Any) -> Neighbours:
 def _contacts(band: Array, around: Obstacles, ends: Ends, near: Neighbours) -> Contacts:
     """Which points (c,) of a band are too near to an edge, how moving mends it (c, 2), and by how much (c,) metres."""
     off = band[near.at] - near.begin
-    share = (off * near.way).sum(axis=-1) / (near.way**2).sum(axis=-1)
+    share = (off * near.way).sum(axis=-1) / np.maximum((near.way**2).sum(axis=-1), 1e-12)
     off -= np.clip(share, 0.0, 1.0)[:, None] * near.way
     away = np.sqrt((off**2).sum(axis=-1))
     close = np.flatnonzero((away < around.radius + _SOFT) | around.left(ends)[near.which])

@@ -95,10 +95,10 @@ class Obstacles:
         away = np.linalg.norm(points - ends.places[0], axis=-1)
         return self.left(ends)[which] & (away < 1.5 * (self.radius - ends.clearances[0, which]))
 
-    def needed(self, points: Array, which: Indices, ends: Ends, full: Array | float) -> tuple[Array, Array]:
+    def needed(self, points: Array, which: Indices, ends: Ends, full: float) -> tuple[Array, Array]:
         """The clearance (n,) that points (n, 2) are to have from the obstacles numbered `which`; its gradient (n, 2).
 
-        full: what it is away from the ends, metres, (n,) or one for all.
+        full: what it is away from the ends, metres.
         """
         off = points[:, None, :] - ends.places
         away = np.linalg.norm(off, axis=-1)
@@ -125,7 +125,7 @@ class Obstacles:
         nearest = shapely.get_coordinates(shapely.shortest_line(rim, shapely.Point(start)))[:1]
         exits = np.concatenate([nearest, shapely.get_coordinates(rim)])
         exits = start + (exits - start) * 1.02
-        ways = shapely.linestrings(np.stack([np.broadcast_to(start, exits.shape), exits], axis=1))
+        ways = np.asarray(shapely.linestrings(np.stack([np.broadcast_to(start, exits.shape), exits], axis=1)))
         shut = shapely.intersects(shapely.union_all(self.shapes[~left]), ways)
         shut |= shapely.intersects(shapely.union_all(wide[~left]), shapely.points(exits))
         return _buffered(ways[np.argmin(np.where(shut, np.inf, shapely.length(ways)))], 0.02)
