@@ -11,9 +11,9 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["Goal", "beside", "facing_of"]
+__all__ = ["REACH", "Goal", "beside", "facing_of"]
 
-_REACH = 0.42  # metres from a thing that has no place of its own to stand at
+REACH = 0.42  # metres from a thing that has no place of its own to stand at
 _NEAR = 0.20  # metres that one comes to things to use them
 _DIRECTIONS = 24
 
@@ -32,7 +32,7 @@ def facing_of(rotation: Array) -> float:
     return float(np.arctan2(ahead[1], ahead[0]))
 
 
-def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float = _REACH) -> Goal:
+def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float = REACH) -> Goal:
     """Where to stand to use a thing at a place (2,): within reach, clear of footprints, facing it, not far to go.
 
     Args:

@@ -14,7 +14,7 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS
 from ahmss.errors import AlgorithmError
-from ahmss.walking.goals import Goal, beside, facing_of
+from ahmss.walking.goals import REACH, Goal, beside, facing_of
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 FEET = slice(2, 4)
@@ -33,7 +33,7 @@ def walk(task: HumanTask) -> Iterator[Array]:
     goal = _goal(task, ground)
     others = _Others(task)
     trip = Trip(
-        task.human, task.library, ground, goal.place, goal.facing, task.length, others.now, getattr(task, "note", print),
+        task.human, task.library, ground, goal.place, goal.facing, task.length, others.now, task.note,
     )  # fmt: skip
     for piece in trip.pieces(task.start.rotations, task.start.root):
         yield _rows(task, piece)
@@ -51,11 +51,13 @@ def _goal(task: HumanTask, ground: Ground) -> Goal:
     thing, place, facing = task.goal_object, task.goal_place, task.goal_facing
     root = task.start.root[:2]
     if thing is not None:
-        if "stand" in thing.sites:
+        stand = thing.sites.get("stand")
+        if stand is not None and not stand.free_axis:
             site = thing.site("stand", task.start.root)
             own = facing_of(site.rotation)
             return Goal(site.place[:2], own if facing is None else facing)
-        goal = beside(thing.place[:2], root, ground.outlines)
+        reach = REACH if stand is None else float(np.hypot(*stand.position[:2]))  # at any side
+        goal = beside(thing.place[:2], root, ground.outlines, reach)
         return goal if facing is None else Goal(goal.place, facing)
     if place is not None:
         return Goal(place[:2], facing)
