@@ -31,7 +31,7 @@ def build(
     as_json: Json = False,
     workspace: Workspace = None,
 ) -> None:
-    """Make a walk library, of all 332 clips. Example: ahmss walk build my_captures --body aiko -o objectdb/floor/me.npz"""
+    """Make a library of all 332 clips. Example: ahmss walk build my_captures --body aiko -o objectdb/floor/me.npz"""
     from ahmss.main.walklibrary import build_library
 
     build_library(captures, body, out, workspace, force=force, as_json=as_json)
@@ -39,7 +39,7 @@ def build(
 
 @walk_app.command()
 def info(library: Library, as_json: Json = False) -> None:
-    """What clips a library has, how far they get, where they come from. Example: ahmss walk info objectdb/floor/walk.npz"""
+    """What clips a library has, and where they come from. Example: ahmss walk info objectdb/floor/walk.npz"""
     from ahmss.main.walklibrary import show_library
 
     show_library(library, as_json=as_json)

@@ -188,6 +188,13 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
         int, Meta(ge=0, description="N, the frames asked for; frame N is the goal. 0: as many as the motion needs")
     ]
     rate: Annotated[float, Meta(gt=0.0, description="frames a second")] = 60.0
+    wish: Annotated[
+        bool, Meta(description="the frames asked for are a wish: the motion is over when the algorithm says DONE")
+    ] = False
+    carried: Annotated[
+        bool,
+        Meta(description="another motion carries the body: this one's hips, legs, root and foot targets do not count"),
+    ] = False
     seed: Annotated[int, Meta(ge=0, description="for whatever is random")] = 0
     object: Annotated[ObjectRecord | None, Meta(description="the target object")] = None
     site: Annotated[str, Meta(description="which of the object's sites the action names")] = ""

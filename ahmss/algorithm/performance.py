@@ -64,7 +64,7 @@ class Performance:
             return False
         if self._whole and self._next == len(self._block):
             return True
-        return 0 < self.task.length <= self.row[0]
+        return not self.task.message.wish and 0 < self.task.length <= self.row[0]
 
     def news(self) -> list[str]:
         """The notes that came since the last call."""
@@ -146,7 +146,7 @@ def _asked(performance: Performance, start: Start, humans: Iterable[Array] | Non
     task = performance.task
     present = task.start.row.copy()
     given = iter(humans) if humans is not None else None
-    for k in range(1, start.frames + 1) if start.frames else itertools.count(1):
+    for k in range(1, start.frames + 1) if start.frames and not start.wish else itertools.count(1):
         if given is not None:
             seen = next(given, None)
             if seen is None:

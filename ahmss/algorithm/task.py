@@ -60,10 +60,10 @@ class HumanFrame:
 class Task:
     """What every algorithm is told. Arrays are metres, radians and unit quaternions wxyz.
 
-    length: N, the frames asked for; 0: as many as the motion needs. rate: frames a second. hand: "right", "left" or "".
-    hold: what the action does to the object. random: numpy's generator, seeded by main. object: the target, or None.
-    world: the other objects that algorithm.toml asked for, by id. notes: what `note` was told. start: the human at
-    frame 0; present: at the frame being computed.
+    length: N, the frames asked for; 0: as many as the motion needs. Where the action's own frames are 0, N is a wish.
+    rate: frames a second. hand: "right", "left" or "". hold: what the action does to the object. random: numpy's
+    generator, seeded by main. object: the target, or None. world: the other objects that algorithm.toml asked for, by
+    id. notes: what `note` was told. start: the human at frame 0; present: at the frame being computed.
     """
 
     def __init__(self, start: Start) -> None:
@@ -77,6 +77,11 @@ class Task:
         self.object = WorldObject.of(start.object) if start.object is not None else None
         self.notes: list[str] = []
         self.world = {record.id: WorldObject.of(record) for record in start.world}
+
+    @property
+    def carried(self) -> bool:
+        """Whether another motion carries the body: what this one says of hips, legs and root does not count."""
+        return self.message.carried
 
     @cached_property
     def human(self) -> Skeleton:

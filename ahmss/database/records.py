@@ -137,6 +137,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     kind: "human", "object", or "" where nothing says (a bare executable). argv: the first is "python" for the pool,
     else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
     footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others.
+    carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -149,6 +150,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     world: str = "near"
     footprints: bool = False
     humans: bool = False
+    carries: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -180,7 +180,10 @@ class Control:
         try:
             self._database.check(order, seen, actor)
             motion.mover = self._claim(order)
-            start = self._database.start(order, "human", seen, actor, self._next_seed(), self._rate)
+            self._carry(motion)
+            start = self._database.start(
+                order, "human", seen, actor, self._next_seed(), self._rate, carried=motion.carried
+            )
             motion.process = self._launcher.start(order.human_algorithm, start)
         except AhmssError as error:
             self._fail(motion, str(error))
@@ -189,6 +192,15 @@ class Control:
         motion.knows = known((*target, *(record.id for record in start.world)))
         motion.k = 1
         motion.process.ask(self._frame(1, None, NOTHING))
+
+    def _carry(self, motion: Motion) -> None:
+        """Of motions made together the one that takes the body elsewhere has its legs; once carried, always carried."""
+        others = [other for other in self._motions if other is not motion]
+        if motion.carries:
+            for other in others:
+                other.carried = not other.carries
+        else:
+            motion.carried = any(other.carries for other in others)
 
     def _claim(self, order: Order) -> Mover | None:
         """The mover of the order's object: a new one that asks for the object, or the one that has it."""
@@ -320,7 +332,7 @@ class Control:
         except AhmssError as error:
             self._fail(motion, f"{motion.order.title}: {error}")
             return
-        if 0 < motion.order.frames <= process.last:
+        if 0 < motion.last <= process.last:
             motion.over = True
         if not came:
             if process.pending:

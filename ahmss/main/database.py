@@ -46,6 +46,11 @@ class Order:
     object_parameters: dict[str, Any]
 
     @property
+    def wish(self) -> bool:
+        """Whether its frames are a wish: its algorithm says itself when it is over."""
+        return self.affordance.frames == 0
+
+    @property
     def title(self) -> str:
         """How the console calls it: `cup grasp`."""
         return f"{self.object} {self.affordance.name}"
@@ -131,7 +136,9 @@ class Database:
         if affordance.hold == "take" and order.object in actor.holds:
             raise CommandError(f"{order.title}: {actor.name} holds it already")
 
-    def start(self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float) -> messages.Start:
+    def start(
+        self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float, *, carried: bool = False
+    ) -> messages.Start:
         """The START message of the order's human or object algorithm ("human" or "object")."""
         entry = order.human_algorithm if kind == "human" else order.object_algorithm
         assert entry is not None
@@ -143,6 +150,8 @@ class Database:
             pose=messages.PoseRecord(triple(actor.root), [four(q) for q in actor.rotations]),
             frames=order.frames,
             rate=rate,
+            wish=order.wish,
+            carried=carried,
             seed=seed,
             object=told.object(order.object),
             site=order.affordance.site or "",

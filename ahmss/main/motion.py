@@ -6,6 +6,7 @@ import numpy as np
 
 from ahmss.algorithm.process import AlgorithmProcess
 from ahmss.body.array import Array
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.main.blending import Contribution
 from ahmss.main.database import Order
@@ -16,6 +17,10 @@ __all__ = ["Motion", "Mover"]
 
 _MOVED = 1e-3  # metres from which on an object counts as moved
 _SIDES = ("right", "left")
+_LEGS = [f"{side}_{link}" for side in _SIDES for link in ("upper_leg", "lower_leg", "foot")]
+_BODY = np.array(
+    [*(176 + INDEX[name] for name in ("hips", *_LEGS)), 219, 243, 251]
+)  # importances, foot targets' weights
 
 
 class Mover:
@@ -89,6 +94,7 @@ class Motion:
         number: tells motions apart in the blend. countdown: frames until it starts.
         process: its human algorithm. given: what it gives to the blend, once its first frame has come.
         knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
+        carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
     """
 
@@ -100,14 +106,25 @@ class Motion:
         self.mover: Mover | None = None
         self.knows, self.missed = known(()), NOTHING
         self.k = 0
+        self.carried = False
         self.over = False
         self.failed = False
         self.held = 0
 
     @property
+    def carries(self) -> bool:
+        """Whether it takes the body elsewhere."""
+        return self.order.human_algorithm.carries
+
+    @property
+    def last(self) -> int:
+        """Its last frame; 0 where its algorithm says itself when it is over."""
+        return 0 if self.order.wish else self.order.frames
+
+    @property
     def asked_all(self) -> bool:
-        """Whether it was asked for its last frame; one without a number of frames says itself when it is over."""
-        return 0 < self.order.frames <= self.k
+        """Whether it was asked for its last frame."""
+        return 0 < self.last <= self.k
 
     def keeps(self, name: str) -> bool:
         """Whether it is made with that object in the hand."""
@@ -115,6 +132,8 @@ class Motion:
 
     def take(self, row: Array) -> None:
         """Its next frame has come."""
+        if self.carried:
+            row[_BODY] = 0.0
         if self.given is None:
             self.given = Contribution(self.number, row)
         else:

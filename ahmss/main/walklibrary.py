@@ -26,7 +26,7 @@ __all__ = ["build_library", "export_clip", "show_library"]
 def build_library(
     captures: Path | None, body: str, out: Path, workspace: Path | None, *, force: bool, as_json: bool
 ) -> None:
-    """Make a library: the subject's own, or of a folder of captures, filled up with the subject's own where it is empty.
+    """Make a library: the subject's own, or of a folder of captures, filled up with the subject's where it is empty.
 
     Raises:
         CommandError: the file is there already, or the folder holds no motions.
@@ -106,5 +106,3 @@ def export_clip(path: Path, name: str, out: Path, workspace: Path | None, *, for
     made = clips.Clip(rotations, root, importance, walk.bearing.any(axis=-1).astype(float), RATE, None, header)
     clips.save(made, out)
     print(f"wrote {out}: {len(root)} frames, {(len(root) - 1) / RATE:.2f} s")
-
-

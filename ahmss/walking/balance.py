@@ -1,8 +1,8 @@
 """Where the hips go over the feet: the linear inverted pendulum, solved for a plan that is known ahead.
 
 A body whose weight is over c while it pushes at p on the floor moves by c'' = w^2 (c - p). The one motion that stays
-bounded before and after is p smoothed by (w / 2) exp(-w |t|): so the weight goes over the foot that will bear before the
-other is lifted, sways with the steps, and is caught at the end, whatever the steps are (Kajita et al. 2001).
+bounded before and after is p smoothed by (w / 2) exp(-w |t|): so the weight goes over the foot that will bear before
+the other is lifted, sways with the steps, and is caught at the end, whatever the steps are (Kajita et al. 2001).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which clips a walk is made of: table A.1 of the thesis (Ichiguchi 2000), and the mixed signs that its mirroring misses.
+"""Which clips a walk is made of: table A.1 of the thesis (Ichiguchi 2000), and the mixed signs that mirroring misses.
 
 Directions and facings are in whole degrees, positive to the left. A direction is that of the way against the heading at
 the start; a facing is the last heading against the way.

@@ -33,7 +33,7 @@ _PIVOT_PITCH, _PIVOT_TIME = np.radians(14.0), 0.14  # heel up, and the seconds b
 
 @dataclass(frozen=True)
 class FootTracks:
-    """Both feet at F times: ankles (F, 2, 3), rotations (F, 2, 4) world <- foot, bearing (F, 2, 3) of heel, ball, toe."""
+    """Both feet at F times: ankles (F, 2, 3), rotations (F, 2, 4), bearing (F, 2, 3) of heel, ball and toe."""
 
     ankles: Array
     rotations: Array
@@ -55,13 +55,18 @@ class _Stance:
 
 def tracks(skeleton: Skeleton, gait: Gait, plan: Footsteps, times: Array) -> FootTracks:
     """The feet of a plan at times (F,) in seconds."""
-    both = [_track(skeleton, gait, plan, foot, times) for foot in (0, 1)]
-    ankles, rotations, bearing = (np.stack([one[i] for one in both], axis=1) for i in range(3))
-    return FootTracks(ankles, rotations, bearing)
+    right, left = (_track(skeleton, gait, plan, foot, times) for foot in (0, 1))
+    return FootTracks(
+        np.stack([right[0], left[0]], axis=1),
+        np.stack([right[1], left[1]], axis=1),
+        np.stack([right[2], left[2]], axis=1),
+    )
 
 
-def _track(skeleton: Skeleton, gait: Gait, plan: Footsteps, foot: int, times: Array) -> tuple[Array, Array, Array]:
-    stances = _stances(skeleton, plan, foot)
+def _track(
+    skeleton: Skeleton, gait: Gait, plan: Footsteps, foot: int, times: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    stances = _stances(plan, foot)
     steps = [step for step in plan.steps if step.foot == foot]
     soles = skeleton.soles * (1.0, 1.0 if foot == 0 else -1.0, 1.0)
     pitch, yaw = _angles(gait, stances, steps, times)
@@ -73,29 +78,16 @@ def _track(skeleton: Skeleton, gait: Gait, plan: Footsteps, foot: int, times: Ar
         on_ground |= now
     for step, before, after in zip(steps, stances[:-1], stances[1:], strict=True):
         now = (times > step.lift + 1e-9) & (times < step.land - 1e-9)
-        ankles[now] = _swung(
-            gait,
-            soles,
-            plan,
-            step,
-            (before, after),
-            times[now],
-            pitch[now],
-            yaw[now],
-            stances_of(skeleton, plan, 1 - foot),
-        )
+        other = next(s for s in reversed(_stances(plan, 1 - foot)) if s.land <= step.lift + 1e-9)
+        turned = (_heading_before(plan, step), other.place)
+        ankles[now] = _swung(gait, soles, step, (before, after), turned, times[now], pitch[now])
     rotations = multiply(from_axis_angle(_UP, yaw), from_axis_angle(_LEFT, -pitch))
     heights = (ankles[:, None] + rotate(rotations[:, None], soles))[..., 2]
     bearing = (heights < _TOUCHING) & on_ground[:, None]
     return ankles, rotations, bearing
 
 
-def stances_of(skeleton: Skeleton, plan: Footsteps, foot: int) -> list[_Stance]:
-    """The stances of the other foot."""
-    return _stances(skeleton, plan, foot)
-
-
-def _stances(skeleton: Skeleton, plan: Footsteps, foot: int) -> list[_Stance]:
+def _stances(plan: Footsteps, foot: int) -> list[_Stance]:
     out = [_Stance(plan.feet[foot], -np.inf, np.inf, 0.0, 0.0)]
     for step in plan.steps:
         if step.foot == foot:
@@ -139,18 +131,20 @@ def _rolled(soles: Array, stance: _Stance, pitch: Array, yaw: Array) -> Array:
 
 
 def _swung(
-    gait: Gait, soles: Array, plan: Footsteps, step: Step, ends: tuple[_Stance, _Stance], times: Array, pitch: Array,
-    yaw: Array, others: list[_Stance],
+    gait: Gait, soles: Array, step: Step, ends: tuple[_Stance, _Stance], turning: tuple[float, Frame], times: Array,
+    pitch: Array,
 ) -> Array:  # fmt: skip
-    """The ankle (F, 3) in the air: level by a quintic that goes on with the push-off's speed and lands at rest."""
+    """The ankle (F, 3) in the air: level by a quintic that goes on with the push-off's speed and lands at rest.
+
+    `turning` is the body's heading before, and where the other foot stands: in a turn a leg goes round the other.
+    """
     before, after = ends
+    since, standing = turning
     swing = step.land - step.lift
     u = (times - step.lift) / swing
-    start, velocity, acceleration = _leaving(gait, soles, plan, step, before)
+    start, velocity, acceleration = _leaving(gait, soles, step, before)
     end = _rolled(soles, after, np.array([np.radians(gait.strike) * step.strike]), np.array([after.place.heading]))[0]
-    standing = next(s for s in reversed(others) if s.land <= step.lift + 1e-9)
-    origin = np.array([standing.place.x, standing.place.y])
-    since = _heading_before(plan, step)
+    origin = standing.place
     turn = (step.body - since) * minimum_jerk(u)
     local_end = _turned(end[:2] - origin, -(step.body - since))
     way = local_end - start[:2] + origin
@@ -169,7 +163,7 @@ def _swung(
     return out
 
 
-def _leaving(gait: Gait, soles: Array, plan: Footsteps, step: Step, before: _Stance) -> tuple[Array, Array, Array]:
+def _leaving(gait: Gait, soles: Array, step: Step, before: _Stance) -> tuple[Array, Array, Array]:
     """Place, velocity and acceleration (3) of the ankle as it lifts off."""
     h = 1e-3
     times = step.lift + h * np.array([-1.0, 0.0, 1.0])

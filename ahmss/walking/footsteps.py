@@ -44,8 +44,8 @@ class Frame:
 class Step:
     """One foot's way from where it stands to where it lands.
 
-    foot: RIGHT or LEFT. landing: the ankle's place and the foot's heading. lift, land: seconds. body: the body's heading
-    once it has landed. push, strike: how much of a full step's push-off and heel strike there is, 0 to 1.
+    foot: RIGHT or LEFT. landing: the ankle's place and the foot's heading. lift, land: seconds. body: the body's
+    heading once it has landed. push, strike: how much of a full step's push-off and heel strike there is, 0 to 1.
     pivot: radians that the other foot turns on its toe meanwhile.
     """
 

@@ -16,10 +16,10 @@ class Gait:
     """A style of walking.
 
     Of the straight step: its length, frames (at 60 a second) and how long both feet stand in it; the ankles' distance
-    across, the feet's turn out. Of the foot: its pitch at the most when it pushes off and when it strikes (toes up), and
-    the seconds that it needs for both on the ground; the sole's clearance in the swing. Of the pelvis: how far it sinks
-    below standing and rises and falls, how much it turns with the leg ahead, drops to the swinging side (degrees). Of
-    arms, elbows and trunk: the swing for a full step.
+    across, the feet's turn out. Of the foot: its pitch at the most when it pushes off and when it strikes (toes up),
+    and the seconds that it needs for both on the ground; the sole's clearance in the swing. Of the pelvis: how far it
+    sinks below standing and rises and falls, how much it turns with the leg ahead, drops to the swinging side
+    (degrees). Of arms, elbows and trunk: the swing for a full step.
     """
 
     step: float = 0.74

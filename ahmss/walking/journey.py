@@ -38,7 +38,7 @@ class Standing:
 
     @classmethod
     def of(cls, skeleton: Skeleton, library: Library) -> Standing:
-        """As the library's walks begin, on this skeleton: the rotations are the clips', the height follows from them."""
+        """As the library's walks begin, on this skeleton: the rotations are the clips', the height follows."""
         clip = next(clip for key, clip in library.clips.items() if key.kind == "start")
         ankles, q = foot_frames(skeleton, clip.rotations[:1], np.zeros((1, 3)))
         soles = ankles[0, :, None] + rotate(q[0][:, None], np.stack([skeleton.soles, skeleton.soles * _MIRROR]))
@@ -74,9 +74,9 @@ def footing(skeleton: Skeleton, rotations: Array, root: Array, standing: Standin
 class Journey:
     """A planned walk.
 
-    shaped: its frames, 0 the present one. seams: the frames at which clips meet, at each of which, but the first and the
-    last, a foot lands and the walk may go on otherwise. natural, fewest, most: frames that it takes as a person does, at
-    the briskest, at the slowest.
+    shaped: its frames, 0 the present one. seams: the frames at which clips meet, at each of which, but the first and
+    the last, a foot lands and the walk may go on otherwise. natural, fewest, most: frames that it takes as a person
+    does, at the briskest, at the slowest.
     """
 
     selection: Selection
@@ -136,8 +136,8 @@ def journey(
 class Stride:
     """A walker in the middle of a walk, one foot about to land.
 
-    ahead: the foot that lands. place (2,), heading: of the line at the hips. ankles (2, 2), headings (2,): of the feet, the
-    one that lands where it will stand.
+    ahead: the foot that lands. place (2,), heading: of the line at the hips. ankles (2, 2), headings (2,): of the feet,
+    the one that lands where it will stand.
     """
 
     ahead: Side

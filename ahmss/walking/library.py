@@ -72,7 +72,7 @@ class _Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class Library:
-    """The clips by their keys. human: whose they are; hip_height: of that human standing, metres, by which others scale."""
+    """The clips by their keys. human: whose they are; hip_height: of that human standing, metres."""
 
     human: str
     hip_height: float
@@ -96,7 +96,7 @@ def save(library: Library, path: Path) -> None:
     ]
     header = msgspec.json.encode(_Header(VERSION, library.human, round(library.hip_height, 6), entries)).decode()
     archive.write(path, {
-        "rotations": np.concatenate([_packed(_continuous(c.rotations).reshape(len(c.root), -1), _ROTATION) for c in clips]),
+        "rotations": np.concatenate([_packed(_rows(c), _ROTATION) for c in clips]),
         "root": np.concatenate([_packed(c.root, _LENGTH) for c in clips]),
         "bearing": np.concatenate([np.packbits(c.bearing.reshape(-1, 6), axis=1) for c in clips]),
         "header": np.array(header),
@@ -158,13 +158,13 @@ def _check_shapes(path: Path, arrays: Mapping[str, Any], total: int, poses: Iter
         raise DataError(path, "header", "a clip of fewer than 3 poses")
 
 
-def _continuous(rotations: Array) -> Array:
-    """Rotations (F, links, 4) without a change of sign from frame to frame, the first with w >= 0."""
-    out = rotations.copy()
+def _rows(clip: WalkClip) -> Array:
+    """Rotations as rows (F, links * 4) without a change of sign from frame to frame, the first with w >= 0."""
+    out = clip.rotations.copy()
     out[0] = np.where(out[0, :, :1] < 0.0, -out[0], out[0])
     for frame in range(1, len(out)):
         out[frame] = align(out[frame], out[frame - 1])
-    return out
+    return out.reshape(len(out), -1)
 
 
 def _packed(values: Array, quantum: float) -> NDArray[np.int32]:

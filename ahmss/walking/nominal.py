@@ -24,8 +24,8 @@ _UP = np.array([0.0, 0.0, 1.0])
 class Nominal:
     """A walk along +x, from where the hips stand at x = 0.
 
-    rotations (F, 15, 4), root (F, 3) metres, bearing (F, 2, 3); seams: the frames at which clips meet, the first and the
-    last frame among them.
+    rotations (F, 15, 4), root (F, 3) metres, bearing (F, 2, 3); seams: the frames at which clips meet, the first and
+    the last frame among them.
     """
 
     rotations: Array

@@ -60,7 +60,7 @@ def perform(skeleton: Skeleton, stand: Stand, plan: Footsteps, gait: Gait = GAIT
     body = _heading(plan, times, 0.0)
     share, size = _weight(plan, times), _size(plan, times)
     ahead = _ahead(feet, body) / (gait.step * float(stand.root[2]))
-    level = _level(skeleton, stand, gait, plan, feet, times, share, body)
+    level = _level(skeleton, stand, gait, plan, times, share, body)
     hips = _hips(gait, body, ahead, share, size)
     root = np.empty((len(times), 3))
     root[:, :2] = level
@@ -118,8 +118,7 @@ def _ahead(feet: FootTracks, body: Array) -> Array:
 
 
 def _level(
-    skeleton: Skeleton, stand: Stand, gait: Gait, plan: Footsteps, feet: FootTracks, times: Array, share: Array,
-    body: Array,
+    skeleton: Skeleton, stand: Stand, gait: Gait, plan: Footsteps, times: Array, share: Array, body: Array
 ) -> Array:  # fmt: skip
     """The hips' places (F, 2)."""
     scale = float(stand.root[2])
@@ -188,7 +187,7 @@ def _pivoted(place: Array, heading: Array, plan: Footsteps, foot: int, times: Ar
 
 
 def _hips(gait: Gait, body: Array, ahead: Array, share: Array, size: Array) -> Array:
-    """The hips' rotations (F, 4) against standing at heading 0: the side of the leg ahead goes ahead, the other drops."""
+    """The hips' rotations (F, 4) against standing: the side of the leg ahead goes ahead, the other drops."""
     turn = np.radians(gait.turn) * _smooth(ahead, 0.075)
     leading = np.roll(share, -5)
     leading[-5:] = share[-1]

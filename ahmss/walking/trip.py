@@ -79,7 +79,7 @@ class Trip:
     note: Callable[[str], None] = lambda _: None
     standing: Standing = field(init=False)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
         self.standing = Standing.of(self.skeleton, self.library)
 
     def pieces(self, rotations: Array, root: Array) -> Iterator[Piece]:
@@ -146,7 +146,7 @@ class Trip:
         if not others:
             return False
         ahead = going.shaped.root[made : made + round(_SEEN * RATE) : 6, :2]
-        seconds = np.arange(len(ahead)) * 6.0 / RATE
+        seconds: Array = np.arange(0.0, len(ahead)) * (6.0 / RATE)
         return any(self._near(ahead, other.after(seconds)) for other in others)
 
     @staticmethod

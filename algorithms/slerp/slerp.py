@@ -44,7 +44,8 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
     staged = stage(task, clip if task.posture is None else _last(clip))
-    _check_reach(task, staged)
+    if not task.carried:  # who is carried comes nearer, or goes away
+        _check_reach(task, staged)
     frames = np.arange(1, task.length + 1)
     yield _block(task, staged, frames[:1])
     if task.length > 1:
@@ -98,19 +99,24 @@ def _targets(task: HumanTask, staged: Staged, course: Course, rotations: Array, 
 
 
 def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row: int) -> Array:
-    """A hand's target (n, 8): by minimum jerk from key to key, each of them moving with what it is relative to."""
+    """A hand's target (n, 8): by minimum jerk from key to key, each of them moving with what it is relative to.
+
+    While the body is carried elsewhere, the hand leaves its place on it gradually: the first key's weight grows.
+    """
     frames = np.arange(len(course.key))
     shape = (len(frames), 7)
     ends = [np.broadcast_to(frame.row(), shape) for frame in _wanted_grips(task, staged, base, row)]
-    stops = np.stack([np.broadcast_to(task.start.grip(HANDS[row]).row(), shape), *ends])  # (K + 1, n, 7)
+    before = ends[0] if task.carried else np.broadcast_to(task.start.grip(HANDS[row]).row(), shape)
+    stops = np.stack([before, *ends])  # (K + 1, n, 7)
     a, b = stops[course.key, frames], stops[course.key + 1, frames]
     out = np.empty((len(frames), 8))
     done = course.done[:, None]
     out[:, :3] = a[:, :3] + done * (b[:, :3] - a[:, :3])
     rise = task.parameter("arc", 0.03) * 16.0 * course.done**2 * (1.0 - course.done) ** 2
-    out[:, 2] += np.where(course.key == 0, rise, 0.0)
+    out[:, 2] += np.where((course.key == 0) & (not task.carried), rise, 0.0)
     out[:, 3:7] = interpolate(a[:, 3:], b[:, 3:], minimum_jerk(course.time / TURNED_BY))
-    weights = np.concatenate([staged.local[:1, row, 7], staged.local[:, row, 7]])
+    first = 0.0 if task.carried else staged.local[0, row, 7]
+    weights = np.concatenate([[first], staged.local[:, row, 7]])
     out[:, 7] = weights[course.key] + course.done * (weights[course.key + 1] - weights[course.key])
     return out
 

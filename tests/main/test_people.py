@@ -106,7 +106,7 @@ class Slow:
 def test_what_moved_while_an_algorithm_was_late_is_told_with_its_next_frame() -> None:
     communication, process = SimpleNamespace(world=crowd((0, 0, 0), (1, 0, 0), (2, 0, 0)), human="me"), Slow()
     control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
-    wants = SimpleNamespace(after=0, frames=0, human_algorithm=SimpleNamespace(humans=True))
+    wants = SimpleNamespace(after=0, frames=0, wish=True, human_algorithm=SimpleNamespace(humans=True, carries=False))
     motion = Motion(wants, 1)  # type: ignore[arg-type]
     motion.process, motion.knows = process, known((-4, -5))  # type: ignore[assignment]
     control._motions.append(motion)
