@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.capture.performance import Performance, of_clip
 from ahmss.capture.subject import PERFORMANCES, perform
 from ahmss.errors import CommandError
 from ahmss.motion import clip
+from ahmss.motion.clip import Clip
 from ahmss.motion.importing import import_clip
+from ahmss.motion.planting import feet, stance
 
 __all__ = ["performance_of"]
 
@@ -36,6 +42,15 @@ def performance_of(what: str, skeleton: Skeleton, upright_seconds: float = 2.0) 
         )
     motion = clip.load(path) if path.suffix == ".npz" else import_clip(path, skeleton)[0]
     try:
-        return of_clip(motion, skeleton, upright_seconds, name=path.stem)
+        return of_clip(_facing_ahead(motion, skeleton), skeleton, upright_seconds, name=path.stem)
     except ValueError as error:
         raise CommandError(f"{path}: {error}") from error
+
+
+def _facing_ahead(motion: Clip, skeleton: Skeleton) -> Clip:
+    """The clip turned as a whole, so that who stands upright as its first stance faces +x, as calibration wants it."""
+    _, heading = stance(feet(skeleton, motion.rotations[0], motion.root[0]))
+    back = from_axis_angle(np.array([0.0, 0.0, 1.0]), -heading)
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = multiply(back, rotations[:, 0])
+    return replace(motion, rotations=rotations, root=rotate(back, motion.root))

@@ -57,6 +57,17 @@ def test_real_motion_comes_back_and_the_mounts_are_found(tmp_path):
     assert np.median(moved) > 2.0  # it was a motion
 
 
+@pytest.mark.parametrize("clip", ["A05", "B01"])  # their first stances face 2 and 7 degrees aside in the file
+def test_calibrated_as_a_user_does_it_without_knowing_the_truth(tmp_path, clip):
+    """Heading and posture are those that the written configuration and the calibration assume."""
+    take, truth = back_from(tmp_path, str(capture_path(clip)), "--clock", "poll")
+    found = calibrate(take)
+    assert degrees_between(found.sensor_to_link, truth["sensor_to_link"]).max() < 0.1
+    error = errors(take, truth, found)
+    assert np.median(error) < 0.2
+    assert error.max() < 0.2
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("clip", "level"),
