@@ -16,10 +16,11 @@ import tty
 import numpy as np
 import pytest
 
-from ahmss.capture.config import load
+from ahmss.capture.config import TransmitterConfig, load
 from ahmss.capture.formats import liberty, ultratrak
 from ahmss.capture.formats.layout import Layout
 from ahmss.capture.formats.losses import Losses
+from ahmss.capture.simulator.configuration import configuration
 from ahmss.capture.simulator.console import Console
 from ahmss.capture.simulator.faults import Faults
 from ahmss.capture.simulator.options import SimulatorOptions
@@ -169,6 +170,26 @@ def test_the_configuration_that_it_writes_is_one_that_the_driver_takes(kind, tmp
         assert [line.port for line in config.line] == [sentence.split()[2] for sentence in said[:-1]]
     _, positions = measured(options)
     assert (positions @ np.array(config.hemisphere)).min() > 0.0  # no sensor leaves its half of space
+
+
+@pytest.mark.parametrize(
+    ("place", "upside_down", "half"),
+    [
+        ((0.0, 0.0, 2.4), False, (0.0, 0.0, 1.0)),  # overhead
+        ((0.0, 0.0, 2.4), True, (0.0, 0.0, -1.0)),
+        ((0.0, 0.0, -0.2), True, (0.0, 0.0, 1.0)),
+        ((-1.5, 0.0, 1.0), False, (1.0, 0.0, 0.0)),  # on a table behind the subject
+        ((0.0, -1.5, 1.0), False, (0.0, -1.0, 0.0)),  # at the right: y points to the right
+    ],
+)
+def test_the_hemisphere_is_the_one_in_which_the_sensors_are(place, upside_down, half, tmp_path):
+    transmitter = TransmitterConfig(place, 0.0, upside_down=upside_down)
+    options = SimulatorOptions(subject(), kind="liberty", transmitter=transmitter)
+    (tmp_path / "tracker.toml").write_text(configuration(options, ["/dev/ttyS0"]))
+    hemisphere = load(tmp_path / "tracker.toml").hemisphere
+    assert hemisphere == half
+    _, positions = measured(options)
+    assert (positions @ np.array(hemisphere)).min() > 0.0
 
 
 def measured(options: SimulatorOptions):

@@ -6,10 +6,15 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ahmss.capture.simulator.options import SimulatorOptions
+from ahmss.capture.simulator.sensors import Mounts, measure
 from ahmss.capture.stations import TRACKED
 
 __all__ = ["configuration", "write_configuration"]
+
+_HALVES = ((0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 
 
 def write_configuration(path: Path, options: SimulatorOptions, addresses: Sequence[str]) -> None:
@@ -23,11 +28,10 @@ def write_configuration(path: Path, options: SimulatorOptions, addresses: Sequen
 def configuration(options: SimulatorOptions, addresses: Sequence[str]) -> str:
     """The text, for lines (or one UDP port) at these addresses."""
     transmitter = options.transmitter
-    up = "[0, 0, 1]" if transmitter.upside_down else "[0, 0, -1]"
     parts = [
         "# Written by `ahmss capture simulate`: fits the tracker that it is.\n",
         f'kind = "{options.kind}"\nformat = "binary"\norientation = "quaternion"\nunits = "cm"\n',
-        f"rate = {options.frames_a_second:g}\nhemisphere = {up}  # upwards: all sensors are above the transmitter\n",
+        f"rate = {options.frames_a_second:g}\nhemisphere = {_half(options)}  # all sensors stay in it\n",
     ]
     if options.kind == "ultratrak":
         host, _, port = addresses[0].rpartition(":")
@@ -42,3 +46,15 @@ def configuration(options: SimulatorOptions, addresses: Sequence[str]) -> str:
         f"upside_down = {str(transmitter.upside_down).lower()}\n"
     )
     return "\n".join(parts)
+
+
+def _half(options: SimulatorOptions) -> str:
+    """The half of space in which the sensors are all along: on the floor's side of the transmitter or on the other.
+
+    Where they are on both, at a transmitter at half the subject's height, the side of it on which they stay clearest.
+    """
+    straight, performance = Mounts.straight(), options.performance
+    places = measure(performance, straight, options.transmitter)[1].reshape(-1, 3)
+    least = (places @ np.array(_HALVES).T).min(axis=0)
+    best = int(least[:2].argmax()) if least[:2].max() > 0.0 else int(least.argmax())
+    return str([round(part) for part in _HALVES[best]])
