@@ -126,13 +126,13 @@ def _default(field: msgspec.structs.FieldInfo) -> str:
     value: Any = field.default
     if value is msgspec.NODEFAULT:
         value = field.default_factory() if callable(field.default_factory) else None
-    return msgspec.json.encode(value).decode()
+    return "false" if value is msgspec.UNSET else msgspec.json.encode(value).decode()
 
 
 def _type(kind: Any) -> str:
     """A type in words of JSON."""
     named = {messages.Vector: "3 numbers", messages.Quaternion: "4 numbers", messages.Point: "2 numbers"}
-    simple = {int: "integer", float: "number", str: "text", type(None): "null"}
+    simple = {bool: "true or false", int: "integer", float: "number", str: "text", type(None): "null"}
     if kind in named:
         return named[kind]
     if kind in simple:
@@ -147,7 +147,7 @@ def _type(kind: Any) -> str:
         return " or ".join(f'`"{value}"`' for value in arguments)
     if inspect.isclass(kind):
         return "object, see below"
-    return " or ".join(_type(argument) for argument in arguments)
+    return " or ".join(_type(argument) for argument in arguments if argument is not msgspec.UnsetType)
 
 
 if __name__ == "__main__":

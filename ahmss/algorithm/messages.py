@@ -16,7 +16,7 @@ from enum import IntEnum
 from typing import Annotated, Any, Literal
 
 import msgspec
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 from ahmss.body.array import Array
 from ahmss.errors import ProtocolError
@@ -189,12 +189,13 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     ]
     rate: Annotated[float, Meta(gt=0.0, description="frames a second")] = 60.0
     wish: Annotated[
-        bool, Meta(description="the frames asked for are a wish: the motion is over when the algorithm says DONE")
-    ] = False
+        bool | UnsetType,
+        Meta(description="if true, the frames are a wish: the motion is over when the algorithm says DONE"),
+    ] = UNSET
     carried: Annotated[
-        bool,
-        Meta(description="another motion carries the body: this one's hips, legs, root and foot targets do not count"),
-    ] = False
+        bool | UnsetType,
+        Meta(description="if true, another motion carries the body: this one's hips, legs and root do not count"),
+    ] = UNSET
     seed: Annotated[int, Meta(ge=0, description="for whatever is random")] = 0
     object: Annotated[ObjectRecord | None, Meta(description="the target object")] = None
     site: Annotated[str, Meta(description="which of the object's sites the action names")] = ""

@@ -81,7 +81,7 @@ class Task:
     @property
     def carried(self) -> bool:
         """Whether another motion carries the body: what this one says of hips, legs and root does not count."""
-        return self.message.carried
+        return bool(self.message.carried)
 
     @cached_property
     def human(self) -> Skeleton:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
@@ -150,8 +151,8 @@ class Database:
             pose=messages.PoseRecord(triple(actor.root), [four(q) for q in actor.rotations]),
             frames=order.frames,
             rate=rate,
-            wish=order.wish,
-            carried=carried,
+            wish=order.wish or UNSET,
+            carried=carried or UNSET,
             seed=seed,
             object=told.object(order.object),
             site=order.affordance.site or "",
