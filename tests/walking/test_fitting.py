@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -10,7 +12,18 @@ from ahmss.body import skeleton
 from ahmss.body.quaternion import align, from_rotation_vector, multiply
 from ahmss.body.skeleton import Skeleton
 from ahmss.walking.catalogue import STRAIGHT, Key
-from ahmss.walking.fitting import Pose, close_onto_mirror, fit_ends, turned
+from ahmss.walking.fitting import (
+    STILL,
+    Pose,
+    Speeds,
+    close_onto_mirror,
+    close_speeds,
+    fit_ends,
+    fit_speeds,
+    turned,
+    wanted_ends,
+    wanted_speeds,
+)
 from ahmss.walking.library import BODY, WalkClip
 from ahmss.walking.mirroring import mirror, mirrored
 
@@ -29,6 +42,15 @@ def clip_of(key: Key = STRAIGHT, seed: int = 0) -> WalkClip:
     root = np.array([0.0, 0.03, 0.9]) + share[:, 0] * np.array([0.7, -0.02, 0.04]) + rng.normal(0, 0.01, (N + 1, 3))
     bearing = rng.random((N + 1, 2, 3)) > 0.5
     return WalkClip(key, rotations, root, bearing, "made here")
+
+
+def smooth_clip(key: Key, seed: int) -> WalkClip:
+    """The same without what changes from frame to frame at random."""
+    clip = clip_of(key, seed)
+    rotations = clip.rotations.copy()
+    rotations[1::2] *= -1.0
+    x = np.linspace(0.0, 1.0, N + 1)[:, None]
+    return replace(clip, rotations=rotations, root=np.array([0.0, 0.03, 0.9]) + x * [0.7, 0.02, 0.0] + 0.02 * x**2)
 
 
 def pose_of(seed: int) -> Pose:
@@ -163,3 +185,60 @@ def test_a_clip_in_the_mirror():
     back = mirrored(seen)
     assert back.key == clip.key
     np.testing.assert_array_equal(back.rotations, clip.rotations)
+
+
+def speeds_of(clip: WalkClip, frame: int) -> Speeds:
+    return Speeds.between(*(Pose(clip.rotations[k], clip.root[k]) for k in (frame, frame + 1)))
+
+
+def test_speeds_at_the_ends_become_those_wanted_and_the_end_poses_stay():
+    clip, other = smooth_clip(Key("start", 0), 1), smooth_clip(Key("start", 0), 2)
+    first, last = speeds_of(other, 3), speeds_of(other, 9)
+    fitted = fit_speeds(clip, first, last)
+    for got, wanted in ((speeds_of(fitted, 0), first), (speeds_of(fitted, N - 1), last)):
+        np.testing.assert_allclose(got.joints, wanted.joints, atol=1e-9)
+        np.testing.assert_allclose(got.root, wanted.root, atol=1e-9)
+    assert np.abs(speeds_of(clip, 0).joints - first.joints).max() > 0.01
+    assert same(fitted.rotations[[0, -1]], clip.rotations[[0, -1]]) < EXACT
+    np.testing.assert_allclose(fitted.root[[0, -1]], clip.root[[0, -1]], atol=EXACT)
+    assert same(fitted.rotations[N // 2], clip.rotations[N // 2]) < EXACT
+    left = fit_speeds(clip, None, None)
+    assert same(left.rotations, clip.rotations) < EXACT
+
+
+def test_a_straight_step_goes_on_at_the_speeds_at_which_it_began():
+    closed = close_speeds(close_onto_mirror(smooth_clip(STRAIGHT, 1)))
+    begun, ended = speeds_of(closed, 0), speeds_of(closed, N - 1).mirrored()
+    np.testing.assert_allclose(ended.joints, begun.joints, atol=1e-9)
+    np.testing.assert_allclose(ended.root, begun.root, atol=1e-9)
+    seen = mirrored(closed)
+    np.testing.assert_allclose(speeds_of(seen, 0).joints, begun.mirrored().joints, atol=1e-9)
+    np.testing.assert_allclose(speeds_of(seen, 0).root, begun.mirrored().root, atol=1e-9)
+
+
+def test_what_clips_must_join():
+    straight, standing = close_onto_mirror(smooth_clip(STRAIGHT, 1)), pose_of(2)
+    landing = Pose(straight.rotations[0], straight.root[0])
+    begun = speeds_of(straight, 0)
+
+    first, last = wanted_ends(Key("start", 60), straight, standing)
+    assert first is standing
+    assert same(last.rotations, turned(landing, 60.0).rotations) < EXACT
+    assert np.abs(last.root - turned(landing, 60.0).root).max() < EXACT
+    still, walking = wanted_speeds(Key("start", 90), straight)
+    assert still is STILL
+    np.testing.assert_allclose(walking.root, [-begun.root[1], begun.root[0], begun.root[2]], atol=EXACT)
+    np.testing.assert_array_equal(walking.joints, begun.joints)
+
+    for side, expected in (("right", landing), ("left", Pose(*mirror(*landing)))):
+        first, last = wanted_ends(Key("end", 0, 120, "small", side), straight, standing)
+        assert same(first.rotations, expected.rotations) < EXACT
+        np.testing.assert_array_equal(first.root, expected.root)
+        assert same(last.rotations, turned(standing, 120.0).rotations) < EXACT
+    np.testing.assert_allclose(wanted_speeds(Key("end", last="left"), straight)[0].root, begun.root * [1, -1, 1])
+    np.testing.assert_array_equal(wanted_speeds(Key("end", last="right"), straight)[0].root, begun.root)
+
+    first, last = wanted_ends(Key("two_step", 150, -30), straight, standing)
+    assert first is standing
+    assert same(last.rotations, turned(standing, 120.0).rotations) < EXACT
+    assert wanted_speeds(Key("two_step", 150, -30), straight) == (STILL, STILL)

@@ -1,0 +1,246 @@
+"""A user's captures become clips: recognised by what was measured, fitted, and every key accounted for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ahmss.body.quaternion import align
+from ahmss.errors import DataError
+from ahmss.motion.clip import ClipHeader
+from ahmss.motion.edit import part
+from ahmss.walking.build import build
+from ahmss.walking.captures import files_in, gather
+from ahmss.walking.catalogue import MIXED, STRAIGHT, TABLE, Key
+from ahmss.walking.cutting import Cut, Unused, cuts
+from ahmss.walking.fitting import wanted_ends
+from ahmss.walking.library import Library, load, save
+from ahmss.walking.mirroring import mirror
+from ahmss.walking.nominal import length_of
+from ahmss.walking.recording import read
+from tests.motion.mocap import MOCAP, capture_path
+from tests.walking.performed import HUMAN, STAND, STANDING, recorded
+from tests.walking.performed import save as save_clip
+from tests.walking.test_replanting import drift, same
+
+KEYS = [
+    Key("start", 0), Key("start", 60), Key("start", 150), Key("end", 0, 0, "normal", "right"),
+    Key("end", 0, 60, "normal", "left"), Key("end", 0, 120, "small", "right"), Key("one_step", 0, 90),
+    Key("one_step", 120, 150, "small"), Key("one_step", 60, -30), Key("two_step", 90, 90), Key("two_step", 180, 30),
+    Key("two_step", 30, -120),
+]  # fmt: skip
+
+
+@cache
+def fallback() -> Library:
+    keys = [key for key in TABLE if key.kind in ("start", "end")]
+    steps = [key for key in KEYS if key.kind.endswith("_step")] + [Key("one_step", 90), Key("two_step", 30, -90)]
+    short = [replace(key, stride=stride) for key in steps for stride in ("normal", "small")]
+    return build(HUMAN, STAND, keys=[*keys, *short])
+
+
+def found_in(path) -> list[Cut | Unused]:
+    return list(cuts(read(path, HUMAN), HUMAN, STANDING))
+
+
+def measured(cut: Cut) -> tuple[float, float]:
+    sign = -1.0 if cut.mirrored else 1.0
+    return sign * cut.direction, sign * cut.facing
+
+
+def apart(a: float, b: float) -> float:
+    return abs((a - b + 180.0) % 360.0 - 180.0)
+
+
+@pytest.mark.parametrize("seen", [False, True])
+@pytest.mark.parametrize("key", KEYS, ids=lambda key: key.name)
+def test_what_was_performed_is_what_is_found(key, seen, tmp_path):
+    found = found_in(save_clip(recorded(key, 130.0, seen), tmp_path / "turn_left_45.npz"))
+    normal = replace(key, stride="normal")
+    matching = [cut for cut in found if isinstance(cut, Cut) and cut.clip.key == normal]
+    assert matching
+    for cut in matching:
+        direction, facing = measured(cut)
+        if key.kind != "end":
+            assert apart(direction, key.direction) < 6.0
+        if key.kind != "start":
+            assert apart(facing, key.facing) < 6.0
+        if key.facing not in (0, 180) or key.direction not in (0, 180):
+            assert cut.mirrored == seen
+        assert cut.clip.root[0, :2] == pytest.approx([0.0, 0.0], abs=1e-9)
+        way = np.radians(cut.clip.key.direction)
+        assert length_of(cut.clip) == pytest.approx(np.hypot(*cut.clip.root[-1, :2]), rel=0.03)
+        assert np.sign(np.cos(way)) * cut.clip.root[-1, 0] > -0.02
+
+
+@pytest.mark.parametrize("seen", [False, True])
+def test_straight_steps_lie_along_their_way(seen, tmp_path):
+    found = found_in(save_clip(recorded(STRAIGHT, -70.0, seen), tmp_path / "a.npz"))
+    steps = [cut for cut in found if isinstance(cut, Cut) and cut.clip.key == STRAIGHT]
+    assert len(steps) > 5
+    for cut in steps:
+        clip = cut.clip
+        assert clip.root[0, 0] == pytest.approx(0.0, abs=1e-9)
+        assert clip.root[-1, 1] == pytest.approx(-clip.root[0, 1], abs=1e-9)
+        assert clip.root[-1, 0] > 0.5
+        right, left = clip.bearing[0].any(axis=-1)
+        assert right
+        assert left
+        assert not clip.bearing[15].any(axis=-1)[1]  # the left foot is in the air
+    assert {cut.mirrored for cut in steps} == {False, True}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Captures under names that tell nothing, some useless, one broken."""
+    under = tmp_path / "more"
+    under.mkdir()
+    for name, key, degrees, seen in (
+        ("a", Key("start", 60), 10.0, False), ("b", Key("end", 0, 60, "normal", "left"), 100.0, True),
+        ("more/c", Key("one_step", 90, 0, "small"), -140.0, True), ("d", Key("two_step", 30, -90), 0.0, False),
+    ):  # fmt: skip
+        save_clip(recorded(key, degrees, seen), tmp_path / f"{name}.npz")
+    save_clip(part(recorded(Key("start", 0)), 0, 30), tmp_path / "stand.npz")
+    keyframes = replace(recorded(Key("start", 0)), header=ClipHeader(times=None))
+    keyframes = replace(part(keyframes, 0, 2), header=ClipHeader(times=(0.5, 1.0)))
+    save_clip(keyframes, tmp_path / "keyframes.npz")
+    (tmp_path / "broken.bvh").write_text("HIERARCHY\nROOT")
+    (tmp_path / "notes.txt").write_text("nothing")
+    return tmp_path
+
+
+def test_a_folder_becomes_a_library_and_every_key_is_accounted_for(folder):
+    files = files_in(folder)
+    assert [path.name for path in files] == [
+        "a.npz", "b.npz", "broken.bvh", "d.npz", "keyframes.npz", "c.npz", "stand.npz"
+    ]  # fmt: skip
+    library, report = gather(files, HUMAN, STANDING, fallback())
+    filled = {one.key: one for one in report.filled}
+    captured = {
+        STRAIGHT, Key("start", 0), Key("start", 60), Key("end", 0, 60, "normal", "left"),
+        Key("one_step", 90, 0, "small"), Key("two_step", 30, -90),
+    }  # fmt: skip
+    assert captured <= set(filled)
+    assert filled[Key("start", 60)].file == "a.npz"
+    assert filled[Key("start", 60)].direction == pytest.approx(60.0, abs=6.0)
+    assert filled[Key("end", 0, 60, "normal", "left")].mirrored
+    assert filled[Key("end", 0, 60, "normal", "left")].facing == pytest.approx(-60.0, abs=6.0)
+    assert filled[Key("one_step", 90, 0, "small")].direction == pytest.approx(-90.0, abs=6.0)
+
+    every = (*TABLE, *MIXED)
+    counted = [*filled, *report.fallback, *report.missing]
+    assert sorted(counted) == sorted(every)
+    assert set(library.clips) == set(filled) | set(report.fallback)
+    assert set(report.missing) == set(library.missing)
+    assert all(key in fallback().clips for key in report.fallback)
+    assert len(report.unread) == 2
+    assert any("broken.bvh" in line for line in report.unread)
+    assert any("keyframes" in line for line in report.unread)
+    assert any(one.file == "stand.npz" and one.what == "no steps" for one in report.unused)
+    assert any("more straight steps" in one.what for one in report.unused)
+    text = "\n".join(report.lines())
+    assert "start_60: a.npz, 0.0" in text
+    assert "not read: " in text
+    for key in every:
+        assert key.name in text
+
+    path = folder / "walk.npz"
+    save(library, path)
+    assert set(load(path).clips) == set(library.clips)
+
+
+def test_all_clips_join_and_stand(folder):
+    library, _ = gather(files_in(folder), HUMAN, STANDING, fallback())
+    straight = library.clips[STRAIGHT]
+    expected, _ = mirror(straight.rotations[0], straight.root[0])
+    assert same(straight.rotations[-1], expected) < 1e-9
+    assert library.human == HUMAN.name
+    assert library.hip_height == pytest.approx(STANDING.root[2])
+    captured = [clip for clip in library.clips.values() if clip.source != "subject"]
+    assert len(captured) >= 6
+    for clip in captured:
+        assert ".npz" in clip.source
+        assert drift(clip) < 0.005
+    for clip in library.clips.values():
+        if clip.key == STRAIGHT:
+            continue
+        first, last = wanted_ends(clip.key, straight, STANDING)
+        assert same(clip.rotations[0], first.rotations) < 1e-6
+        assert same(clip.rotations[-1], last.rotations) < 1e-6
+        assert np.abs(np.diff(align_all(clip.rotations), axis=0)).max() < 0.15
+
+
+def align_all(rotations):
+    out = rotations.copy()
+    for frame in range(1, len(out)):
+        out[frame] = align(out[frame], out[frame - 1])
+    return out
+
+
+def test_without_a_fallback_the_rest_is_missing(folder):
+    library, report = gather(files_in(folder), HUMAN, STANDING)
+    assert report.fallback == ()
+    assert set(report.missing) == set(library.missing)
+    assert "are empty" in "\n".join(report.lines())
+
+
+def test_without_a_straight_step_there_is_no_library(tmp_path):
+    path = save_clip(recorded(Key("one_step", 0, 0)), tmp_path / "a.npz")
+    with pytest.raises(DataError, match="no straight step"):
+        gather([path], HUMAN, STANDING)
+    library, report = gather([path], HUMAN, STANDING, fallback())
+    assert STRAIGHT in report.fallback
+    assert [one.key for one in report.filled] == [Key("one_step", 0, 0)]
+    assert library.clips[STRAIGHT].source == "subject"
+
+
+def test_of_several_for_one_key_the_one_that_fits_best(tmp_path):
+    good = recorded(Key("start", 60))
+    bad = recorded(Key("start", 60))
+    rotations = bad.rotations.copy()
+    rotations[:, 1] = align(np.roll(rotations[:, 1], 1, axis=-1), rotations[:, 1])  # a spine that is bent all the time
+    files = [save_clip(replace(bad, rotations=rotations), tmp_path / "a.npz"), save_clip(good, tmp_path / "b.npz")]
+    _, report = gather(files, HUMAN, STANDING, fallback())
+    assert next(one for one in report.filled if one.key == Key("start", 60)).file == "b.npz"
+    assert any(one.file == "a.npz" and one.what == "another start_60" for one in report.unused)
+
+
+def test_a_fault_of_the_capture_is_left_out(tmp_path):
+    clip = recorded(Key("one_step", 0, 0))
+    rotations = clip.rotations.copy()
+    rotations[60, 4] = rotations[60, 1]
+    path = save_clip(replace(clip, rotations=rotations), tmp_path / "a.npz")
+    (one,) = found_in(path)
+    assert isinstance(one, Unused)
+    assert "right_lower_arm jumps" in one.what
+
+
+def test_another_humans_clip_is_walked_by_this_one(tmp_path):
+    clip = recorded(Key("start", 60))
+    other = replace(clip, header=ClipHeader(human="ken"), root=1.4 * clip.root)
+    found = found_in(save_clip(other, tmp_path / "a.npz"))
+    (start, *_) = [one for one in found if isinstance(one, Cut) and one.clip.key.kind == "start"]
+    assert start.clip.key == Key("start", 60)
+    assert length_of(start.clip) < 1.1
+
+
+def test_real_captures_by_what_they_measure():
+    capture_path("B03")
+    library, report = gather(files_in(MOCAP), HUMAN, STANDING)
+    filled = {one.key: one for one in report.filled}
+    assert set(filled) == {
+        STRAIGHT, Key("start", 0), Key("end", 0, 0, "normal", "left"), Key("end", 0, 0, "normal", "right")
+    }  # fmt: skip
+    assert filled[STRAIGHT].length == pytest.approx(0.66, abs=0.06)
+    assert abs(filled[Key("start", 0)].direction) < 10.0
+    assert "B02" in filled[Key("end", 0, 0, "normal", "left")].file
+    turns = [one for one in report.unused if "turn in walking" in one.what]
+    assert [(one.file[8:11], "left" in one.what) for one in turns] == [
+        ("B09", True), ("B10", True), ("B12", False), ("B13", False)
+    ]  # fmt: skip
+    assert [one.file[8:11] for one in report.unused if one.what == "no steps"] == ["A01", "A05"]
+    for clip in library.clips.values():
+        assert drift(clip) < 0.01
