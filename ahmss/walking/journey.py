@@ -14,9 +14,11 @@ from ahmss.walking.catalogue import STRAIGHT, STRIDES, Key, Side
 from ahmss.walking.course import Course
 from ahmss.walking.legs import foot_frames
 from ahmss.walking.library import Library
-from ahmss.walking.nominal import Nominal, clip_of, join, length_of, stretched, woven
+from ahmss.walking.line import Line
+from ahmss.walking.nominal import Nominal, clip_of, join, length_of, straights, stretched, woven
 from ahmss.walking.selection import Selection, bins, candidates, measured, select
-from ahmss.walking.shaping import Ends, Line, Shaped, shape
+from ahmss.walking.shaping import Shaped, Shaping
+from ahmss.walking.treading import Ends
 
 __all__ = ["Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stride_at"]
 
@@ -74,13 +76,13 @@ def footing(skeleton: Skeleton, rotations: Array, root: Array, standing: Standin
 class Journey:
     """A planned walk.
 
-    shaped: its frames, 0 the present one. seams: the frames at which clips meet, at each of which, but the first and
-    the last, a foot lands and the walk may go on otherwise. natural, fewest, most: frames that it takes as a person
-    does, at the briskest, at the slowest.
+    shaping: gives its frames, 0 the present one, as far on as they are asked for. seams: the frames at which clips
+    meet, at each of which, but the first and the last, a foot lands and the walk may go on otherwise. natural, fewest,
+    most: frames that it takes as a person does, at the briskest, at the slowest.
     """
 
     selection: Selection
-    shaped: Shaped
+    shaping: Shaping
     line: Line
     nominal: Nominal
     natural: int
@@ -91,6 +93,11 @@ class Journey:
     def seams(self) -> tuple[int, ...]:
         """The frames at which clips meet."""
         return self.nominal.seams
+
+    @property
+    def shaped(self) -> Shaped:
+        """All its frames."""
+        return self.shaping.part(0, self.shaping.frames)
 
 
 def journey(
@@ -128,8 +135,8 @@ def journey(
         turn_last=_wrapped(facing - over - sign * np.radians(f)),
     )  # fmt: skip
     ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
-    shaped = shape(skeleton, nominal, line, ends, standing.height)
-    return Journey(chosen, shaped, line, nominal, natural, fewest, most)
+    shaping = Shaping(skeleton, nominal, line, ends, standing.height)
+    return Journey(chosen, shaping, line, nominal, natural, fewest, most)
 
 
 @dataclass(frozen=True)
@@ -150,10 +157,10 @@ class Stride:
 def stride_at(going: Journey, seam: int) -> Stride:
     """The walker at an inner seam of a walk."""
     frame = going.seams[seam]
-    root, shaped = going.nominal.root[frame], going.shaped
+    root = going.nominal.root[frame]
     place, heading = going.line.course.at(going.line.along(root[:1])[0])
     ahead: Side = "left" if going.nominal.bearing[frame - 1, 0].any() else "right"
-    prints = [one.at(frame) for one in shaped.footprints]
+    prints = [going.shaping.footprint(foot, frame) for foot in (0, 1)]
     ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
     return Stride(ahead, place[0], float(heading[0]), ankles, headings)
 
@@ -165,7 +172,7 @@ def onward(
     scale = standing.height / library.hip_height
     _, f, mirror = bins(0.0, np.degrees(_wrapped(facing - float(course.heading[-1]))))
     chosen = _rest(library, scale, f, mirror, now.ahead, course.length)
-    clips = [clip_of(library, STRAIGHT, mirror=(now.ahead == "left") != (i % 2 == 1)) for i in range(chosen.steps)]
+    clips = straights(library, chosen.steps, mirror=now.ahead == "left")
     end = Key("end", 0, -f if mirror else f, chosen.stride, chosen.last)
     nominal = join([*clips, clip_of(library, end)], scale)
     x = nominal.root[list(nominal.seams), 0]
@@ -175,9 +182,9 @@ def onward(
         turn_last=_wrapped(facing - float(course.heading[-1]) - np.radians(-f if mirror else f)),
     )  # fmt: skip
     ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
-    shaped = shape(skeleton, nominal, line, ends, standing.height)
+    shaping = Shaping(skeleton, nominal, line, ends, standing.height)
     natural = len(nominal.root) - 1
-    return Journey(chosen, shaped, line, nominal, natural, natural, natural)
+    return Journey(chosen, shaping, line, nominal, natural, natural, natural)
 
 
 def _rest(library: Library, scale: float, facing: int, mirror: bool, ahead: Side, distance: float) -> Selection:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, normalize, rotate
@@ -15,7 +16,7 @@ from ahmss.walking.library import Library, WalkClip
 from ahmss.walking.mirroring import mirrored
 from ahmss.walking.selection import Selection, candidates, stored
 
-__all__ = ["Nominal", "clip_of", "join", "length_of", "stretched", "woven"]
+__all__ = ["Nominal", "clip_of", "join", "length_of", "straights", "stretched", "woven"]
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -65,22 +66,28 @@ def woven(library: Library, direction: int, facing: int, chosen: Selection, *, m
     if chosen.pattern in ("1Step", "2Step"):
         key = keys.one[chosen.stride] if chosen.pattern == "1Step" else keys.two[chosen.stride]
         return [clip_of(library, key, mirror=mirror)]
-    straights = [clip_of(library, STRAIGHT, mirror=mirror != (i % 2 == 1)) for i in range(chosen.steps)]
+    steps = straights(library, chosen.steps, mirror=mirror)
     end = clip_of(library, keys.last[chosen.stride, chosen.last], mirror=mirror)
-    return [clip_of(library, keys.first, mirror=mirror), *straights, end]
+    return [clip_of(library, keys.first, mirror=mirror), *steps, end]
+
+
+def straights(library: Library, count: int, *, mirror: bool) -> list[WalkClip]:
+    """So many straight steps, every other one seen in a mirror: the first where `mirror` says so."""
+    both = [clip_of(library, STRAIGHT, mirror=side) for side in (mirror, not mirror)]
+    return [both[i % 2] for i in range(count)]
 
 
 def join(clips: Sequence[WalkClip], scale: float) -> Nominal:
     """Clips one after the other along +x, their lengths multiplied by a scale."""
     rotations, roots, bearing, seams = [], [], [], [0]
+    laid: dict[int, tuple[Array, Array]] = {}  # by the clip's identity: a long walk is two clips again and again
     x = 0.0
     for number, clip in enumerate(clips):
-        turn = from_axis_angle(_UP, -np.radians(clip.key.direction))
+        if id(clip) not in laid:
+            laid[id(clip)] = _laid(clip, scale)
+        own, root = laid[id(clip)]
         first = 0 if number == 0 else 1
-        own = clip.rotations[first:].copy()
-        own[:, 0] = multiply(turn, own[:, 0])
-        root = scale * rotate(turn, clip.root)
-        root[:, 0] += x - root[0, 0]
+        own, root = own[first:], root + np.array([x, 0.0, 0.0])
         x = root[-1, 0]
         if rotations:
             own = own * np.where((own[0] * rotations[-1][-1]).sum(axis=-1) < 0.0, -1.0, 1.0)[:, None]
@@ -91,14 +98,27 @@ def join(clips: Sequence[WalkClip], scale: float) -> Nominal:
     return Nominal(np.concatenate(rotations), np.concatenate(roots), np.concatenate(bearing), tuple(seams))
 
 
+def _laid(clip: WalkClip, scale: float) -> tuple[Array, Array]:
+    """A clip's rotations and root, its way along +x from x = 0."""
+    turn = from_axis_angle(_UP, -np.radians(clip.key.direction))
+    rotations = clip.rotations.copy()
+    rotations[:, 0] = multiply(turn, rotations[:, 0])
+    root = scale * rotate(turn, clip.root)
+    root[:, 0] -= root[0, 0]
+    return rotations, root
+
+
 def stretched(nominal: Nominal, times: Array) -> Nominal:
     """The walk at other times: frame k is what it was at frame times[k] (n,), rising from the first to the last."""
     most = len(nominal.root) - 1
     i = np.clip(times.astype(int), 0, most - 1)
-    u = (times - i)[:, None]
-    flat = np.concatenate([nominal.rotations.reshape(most + 1, -1), nominal.root], axis=1)
-    p0, p1, p2, p3 = (flat[np.clip(i + by, 0, most)] for by in (-1, 0, 1, 2))
-    out = p1 + 0.5 * u * (p2 - p0 + u * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + u * (3.0 * (p1 - p2) + p3 - p0)))
+    u = times - i
+    near = np.clip(i[:, None] + (-1, 0, 1, 2), 0, most)  # a spline through the four frames around (Catmull and Rom)
+    weights = 0.5 * np.stack([
+        u * (u * (2.0 - u) - 1.0), 2.0 + u * u * (3.0 * u - 5.0), u * (1.0 + u * (4.0 - 3.0 * u)), u * u * (u - 1.0),
+    ], axis=-1)  # fmt: skip
+    rows = csr_array((weights.ravel(), near.ravel(), np.arange(len(times) + 1) * 4), shape=(len(times), most + 1))
+    out = rows @ np.concatenate([nominal.rotations.reshape(most + 1, -1), nominal.root], axis=1)
     seams = tuple(int(s) for s in np.searchsorted(times, np.array(nominal.seams) - 1e-6))
     nearest = np.clip(np.round(times).astype(int), 0, most)
     rotations = normalize(out[:, :-3].reshape(len(times), -1, 4))

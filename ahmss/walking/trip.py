@@ -17,7 +17,8 @@ from ahmss.walking.library import RATE, Library
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 RADIUS = 0.27  # metres that a walker keeps from things
-_APART = 0.62  # metres that two walkers' middles keep apart
+_APART = 0.75  # metres that two walkers' middles shall keep apart
+_MET, _CLOSE = 0.62, 0.50  # metres apart at which one makes way, and that one accepts in making it
 _SEEN = 2.4  # seconds that a walker looks ahead for others
 _TURNED_IN = 0.8  # metres in which a walker who goes on passes over to another course
 _ASIDE = 0.16  # metres by which an oncoming walker is taken to be further to the left: both pass on the right
@@ -89,6 +90,7 @@ class Trip:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
         now = footing(self.skeleton, rotations, root, self.standing)
+        self.others()  # so that their speed is known when it matters
         going = self._set_out(now)
         self._say_frames(going)
         while True:
@@ -140,20 +142,20 @@ class Trip:
             seam, made = 0, 0
         return going, not stopping  # pyright: ignore[reportReturnType]
 
-    def _meets(self, going: Journey, made: int) -> bool:
-        """Whether somebody comes too near in the next seconds."""
+    def _meets(self, going: Journey, made: int, apart: float = _MET) -> bool:
+        """Whether somebody comes nearer than that in the next seconds."""
         others = self.others()
         if not others:
             return False
-        ahead = going.shaped.root[made : made + round(_SEEN * RATE) : 6, :2]
+        ahead = going.shaping.level[made : made + round(_SEEN * RATE) : 6]
         seconds: Array = np.arange(0.0, len(ahead)) * (6.0 / RATE)
-        return any(self._near(ahead, other.after(seconds)) for other in others)
+        return any(self._near(ahead, other.after(seconds), apart) for other in others)
 
     @staticmethod
-    def _near(own: Array, other: Array) -> bool:
+    def _near(own: Array, other: Array, apart: float) -> bool:
         """Whether two come nearer to each other than they are, and too near."""
         away = np.linalg.norm(own - other, axis=-1)
-        return bool(away.min() < _APART and away.min() < away[0] - 0.02)
+        return bool(away.min() < apart and away.min() < away[0] - 0.02)
 
     def _instead(self, going: Journey, seam: int) -> tuple[Journey, bool]:
         """The walk from a seam on round those who come in its way, or to a stop; and whether it stops."""
@@ -165,7 +167,7 @@ class Trip:
             course = _passing(stride.place, stride.heading, course)
             facing = float(course.heading[-1]) if self.facing is None else self.facing
             around = onward(self.skeleton, self.library, self.standing, stride, course, facing)
-            if not self._meets(around, 0):
+            if not self._meets(around, 0, _CLOSE):
                 return around, False
         except NoWay:
             pass  # somebody closes the way: wait for them
@@ -200,13 +202,13 @@ class Trip:
                 ahead = self._set_out(self._footing_after(going), self._circles())
             except NoWay:
                 continue
-            if not self._meets(ahead, 0):
+            if not self._meets(ahead, 0, _CLOSE):
                 return
         raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
 
     def _footing_after(self, going: Journey) -> Footing:
         """How the walker stands at the end of a walk."""
-        prints = [one.at(going.seams[-1]) for one in going.shaped.footprints]
+        prints = [going.shaping.footprint(foot, going.seams[-1]) for foot in (0, 1)]
         ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
         heading = float(np.arctan2(np.sin(headings).sum(), np.cos(headings).sum()))
         return Footing(ankles, headings, going.line.course.points[-1], heading)
@@ -214,8 +216,8 @@ class Trip:
 
 def _piece(going: Journey, first: int, last: int) -> Piece:
     """The frames after `first` up to `last`."""
-    part, shaped = slice(first + 1, last + 1), going.shaped
-    return Piece(shaped.rotations[part], shaped.root[part], shaped.ankles[part], shaped.feet[part])
+    shaped = going.shaping.part(first + 1, last + 1)
+    return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet)
 
 
 def _passing(place: Array, heading: float, course: Course) -> Course:

@@ -1,0 +1,284 @@
+"""A foot of a walk brought to where it shall stand, as far on as it is asked for (Ichiguchi 2000, A.3.2, the legs).
+
+A foot that has landed is fixed; the thesis lets the error at lift-off stand, here it is spread over the swing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.contact import runs
+from ahmss.motion.easing import minimum_jerk
+from ahmss.walking.legs import foot_frames
+from ahmss.walking.line import Line
+from ahmss.walking.nominal import Nominal
+
+__all__ = ["Ends", "Footprints", "Seen", "Tread", "sole_angles"]
+
+_UP, _LEFT, _FORWARD = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+_PIVOTING = np.radians(12.0)  # a foot that turns by more while it bears pivots; by less, it errs
+_LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
+_FLAT = 1e-6
+_LEVEL = np.radians(0.5)
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where the feet are before and after, right and left: places (2, 2) of the ankles, headings (2,)."""
+
+    first: Array
+    first_heading: Array
+    last: Array
+    last_heading: Array
+
+
+@dataclass(frozen=True)
+class Footprints:
+    """Where a foot stands one time after the other: since which frames, the flat foot's ankle (n, 2), heading (n,)."""
+
+    since: NDArray[np.intp]
+    places: Array
+    headings: Array
+
+    def at(self, frame: int) -> tuple[Array, float]:
+        """The one at a frame, or before it where the foot is in the air."""
+        i = int(np.searchsorted(self.since, frame, side="right")) - 1
+        return self.places[i], float(self.headings[i])
+
+
+def sole_angles(feet: Array) -> tuple[Array, Array]:
+    """Heading without jumps and pitch (toes up), both (F, ...), of feet (F, ..., 4)."""
+    ahead = rotate(feet, _FORWARD)
+    return np.unwrap(np.arctan2(ahead[..., 1], ahead[..., 0]), axis=0), np.arcsin(np.clip(ahead[..., 2], -1.0, 1.0))
+
+
+class Seen:
+    """Both feet in the joined clips, looked at as far on as is asked for.
+
+    ankles (F, 2, 3); yaw, pitch (F, 2), radians, yaw without jumps. Frames from `count` on are not there yet.
+    """
+
+    def __init__(self, skeleton: Skeleton, nominal: Nominal) -> None:
+        self._skeleton, self._nominal = skeleton, nominal
+        frames = len(nominal.root)
+        self.count = 0
+        self.ankles = np.empty((frames, 2, 3))
+        self.yaw, self.pitch = np.empty((frames, 2)), np.empty((frames, 2))
+
+    def until(self, end: int) -> None:
+        """Have the frames before `end`."""
+        if end <= self.count:
+            return
+        part = slice(self.count, end)
+        self.ankles[part], world = foot_frames(self._skeleton, self._nominal.rotations[part], self._nominal.root[part])
+        yaw, self.pitch[part] = sole_angles(world)
+        if self.count:
+            before = self.yaw[self.count - 1]
+            yaw = np.unwrap(np.concatenate([before[None], yaw]), axis=0)[1:]
+        self.yaw[part] = yaw
+        self.count = end
+
+
+class Tread:
+    """One foot: where it stands, and how it gets from one footprint to the next.
+
+    ankles (F, 3), feet (F, 4): in the world. Frames from `count` on are not there yet, of the footprints those from
+    `known` on.
+    """
+
+    def __init__(
+        self, skeleton: Skeleton, nominal: Nominal, seen: Seen, line: Line, ends: Ends, foot: int, turn: Array
+    ) -> None:
+        self._soles = skeleton.soles * (1.0, 1.0 if foot == 0 else -1.0, 1.0)
+        self._seen, self._line, self._ends, self._foot, self._turn = seen, line, ends, foot, turn
+        frames = len(nominal.root)
+        bears: NDArray[np.bool_] = nominal.bearing[:, foot].any(axis=-1)  # pyright: ignore[reportAssignmentType]
+        spans = runs(bears)
+        first, end = (np.array([span[i] for span in spans], np.intp) for i in (0, 1))
+        n = len(spans)
+        self._stances = _Stances(first, end, np.zeros((n, 2)), np.zeros(n), np.zeros((n, 2)), np.zeros(n))
+        self._yaw = np.empty(frames)  # as in the clips, but constant while the foot bears and does not pivot
+        self._fixed = 0  # frames whose yaw is there
+        self.known = self.count = 0
+        self.ankles, self.feet = np.empty((frames, 3)), np.empty((frames, 4))
+
+    @property
+    def footprints(self) -> Footprints:
+        """Where the foot stands, as far as it is known."""
+        known, stances = slice(self.known), self._stances
+        return Footprints(stances.first[known], stances.to[known], stances.to_heading[known])
+
+    def know(self, count: int) -> None:
+        """Have the first `count` footprints."""
+        stances = self._stances
+        count = min(count, len(stances.first))
+        if count <= self.known:
+            return
+        end = int(stances.end[count - 1])
+        self._seen.until(end)
+        self._take_yaw(end)
+        new = slice(self.known, count)
+        ankle, pitch = self._seen.ankles[:, self._foot], self._seen.pitch[:, self._foot]
+        _stand(stances, new, ankle, self._yaw, pitch, self._soles)
+        self._place(new)
+        self.known = count
+
+    def until(self, end: int) -> None:
+        """Have the frames before `end`: whole strides, from landing to landing."""
+        stances, frames = self._stances, len(self.ankles)
+        if end <= self.count:
+            return
+        begun = int(np.searchsorted(stances.first, self.count, side="right")) - 1
+        over = int(np.searchsorted(stances.first, end, side="left"))
+        self.know(over + 2)
+        stop = int(stances.first[over]) if over < len(stances.first) else frames
+        landed = min(stop + 1, frames)  # the landing is looked at, and made again with what follows
+        self._seen.until(landed)
+        self._take_yaw(landed)
+        made = slice(self.count, stop)
+        ankles, feet = self._carried(np.arange(int(stances.first[begun]), landed))
+        self.ankles[made], self.feet[made] = ankles[: stop - self.count], feet[: stop - self.count]
+        self.count = stop
+
+    def _take_yaw(self, end: int) -> None:
+        if end > self._fixed:
+            part = slice(self._fixed, end)
+            self._yaw[part] = self._seen.yaw[part, self._foot]
+            self._fixed = end
+
+    def _place(self, new: slice) -> None:
+        """Where the foot shall stand: along and across the line; first and last where it is and shall be."""
+        stances, foot = self._stances, self._foot
+        s, _ = self._line.along(stances.place[new, 0])
+        place, heading = self._line.course.at(s)
+        across = np.stack([-np.sin(heading), np.cos(heading)], axis=-1)
+        stances.to[new] = place + stances.place[new, 1:] * across
+        stances.to_heading[new] = stances.heading[new] + heading + self._turn[stances.first[new]]
+        ends = self._ends
+        for i, where, wanted in (
+            (0, ends.first, ends.first_heading),
+            (len(stances.first) - 1, ends.last, ends.last_heading),
+        ):
+            if new.start <= i < new.stop:
+                stances.to[i] = where[foot]
+                off = wanted[foot] - stances.to_heading[i]
+                stances.to_heading[i] += (off + np.pi) % (2.0 * np.pi) - np.pi
+
+    def _sizes(self) -> Array:
+        """How much each swing is of that in the clip, between footprints known (known + 1,), 1 outside of them."""
+        known, stances = slice(self.known), self._stances
+        moved = np.linalg.norm(np.diff(stances.to[known], axis=0), axis=-1)
+        nominally = np.linalg.norm(np.diff(stances.place[known], axis=0), axis=-1)
+        return np.concatenate([[1.0], np.clip(moved / np.maximum(nominally, 1e-6), _LEAST, 1.0), [1.0]])
+
+    def _carried(self, frames: NDArray[np.intp]) -> tuple[Array, Array]:
+        """The foot as it bears where it shall, and between by both its footsteps, the one passing into the other.
+
+        Args:
+            frames: in a row, from a landing on; whole strides, and the frame at which the last of them lands.
+        """
+        stances, sizes, soles, origin = self._stances, self._sizes(), self._soles, int(frames[0])
+        ankle, pitch = self._seen.ankles[frames, self._foot], self._seen.pitch[frames, self._foot]
+        loose, yaw = self._seen.yaw[frames, self._foot], self._yaw[frames]
+        before = np.searchsorted(stances.first, frames, side="right") - 1
+        bears = frames < stances.end[before]
+        after = np.minimum(before + (~bears), len(stances.first) - 1)
+        lift, land = stances.end[before] - 1 - origin, stances.first[after] - origin
+        u = np.where(bears, 0.0, (frames - origin - lift) / np.maximum(land - lift, 1))
+        lift, land = np.where(bears, 0, lift), np.where(bears, 0, land)  # only those of swings are used
+        share = minimum_jerk(u)
+        own = np.where(bears, np.where(pitch > 0.0, sizes[before], sizes[before + 1]), sizes[before + 1])
+        tilted = np.arcsin(own * np.sin(pitch))
+        turn = stances.to_heading - stances.heading
+        fixed = yaw - loose
+        yaw = np.where(bears, yaw, loose + (1.0 - share) * fixed[lift] + share * fixed[land])
+        heading = yaw + (1.0 - share) * turn[before] + share * turn[after]
+        feet = _turned(heading, tilted)
+
+        height = -soles[0, 2]
+        level = height * np.cos(tilted) + own * (ankle[:, 2] - height * np.cos(pitch))
+        nominal = ankle.copy()
+        exact = _rolled(stances.place, stances.heading, before, yaw, pitch, soles)
+        nominal[bears, :2] = exact[bears, :2]
+        swings = ~bears
+        for at, weight in ((lift, 1.0 - share), (land, share)):
+            nominal[swings, :2] += (weight[:, None] * (exact[at] - ankle[at])[:, :2])[swings]
+        low, high = _moved(nominal, stances, turn, before), _moved(nominal, stances, turn, after)
+        out = np.empty_like(ankle)
+        out[:, :2] = (1.0 - share)[:, None] * low + share[:, None] * high
+        out[:, 2] = level
+        standing = _rolled(stances.to, stances.to_heading, before, heading, tilted, soles)
+        # A foot that rolls less than in the clip leaves and lands a little elsewhere: spread over the swing, too.
+        spread = np.zeros_like(ankle)
+        for at, weight in ((lift, 1.0 - share), (land, share)):
+            spread += weight[:, None] * (standing - np.c_[low, level])[at]
+        out += spread
+        out[bears] = standing[bears]
+        sunk = -(out[:, None] + rotate(feet[:, None], soles))[..., 2].min(axis=-1)
+        out[:, 2] += np.maximum(sunk, 0.0)
+        return out, feet
+
+
+@dataclass
+class _Stances:
+    """A foot's times on the ground: first frames, those after the last; where the flat foot is, nominal and wanted."""
+
+    first: NDArray[np.intp]
+    end: NDArray[np.intp]
+    place: Array
+    heading: Array
+    to: Array
+    to_heading: Array
+
+
+def _stand(stances: _Stances, new: slice, ankle: Array, yaw: Array, pitch: Array, soles: Array) -> None:
+    """Fill in where a foot stands in the clips; the headings of feet that do not pivot become constant, in place."""
+    seen = np.empty(new.stop - new.start, np.intp)
+    for i in range(new.start, new.stop):
+        a, b = int(stances.first[i]), int(stances.end[i])
+        flat = np.flatnonzero(np.abs(pitch[a:b]) <= _LEVEL)
+        # Fitted clips slide a little towards their ends: where a foot stands is told by how it first lies flat.
+        at = b - 1 if i == len(stances.first) - 1 else a + (int(flat[0]) if len(flat) else (b - a) // 2)
+        if not _pivots(yaw[a:b], pitch[a:b]):
+            yaw[a:b] = yaw[at]
+        seen[i - new.start] = at
+    q = _turned(yaw[seen], pitch[seen])
+    point = np.where((pitch[seen] > _FLAT)[:, None], soles[0], soles[2])
+    contact = ankle[seen] + rotate(q, point)
+    flat_at = contact - rotate(from_axis_angle(_UP, yaw[seen]), point)
+    stances.place[new], stances.heading[new] = flat_at[:, :2], yaw[seen]
+
+
+def _pivots(yaw: Array, pitch: Array) -> bool:
+    """Whether a foot that bears turns on its toe, rather than sliding while it lies flat."""
+    by = np.abs(np.diff(yaw))
+    raised = pitch[1:] < -_LEVEL
+    return float(by[raised].sum()) > _PIVOTING and float(by[~raised].sum()) < _PIVOTING
+
+
+def _rolled(place: Array, heading: Array, which: NDArray[np.intp], yaw: Array, pitch: Array, soles: Array) -> Array:
+    """The ankle (F, 3) of a foot that bears, turned about its heel while its toes are up, else about its toes."""
+    flat = np.concatenate([place[which], np.full((len(which), 1), -soles[0, 2])], axis=1)
+    toe = flat + rotate(from_axis_angle(_UP, heading[which]), soles[2])
+    heel = toe - rotate(from_axis_angle(_UP, yaw), soles[2] - soles[0])
+    q = _turned(yaw, pitch)
+    on_heel = (pitch > _FLAT)[:, None]
+    return np.where(on_heel, heel - rotate(q, soles[0]), toe - rotate(q, soles[2]))
+
+
+def _moved(nominal: Array, stances: _Stances, turn: Array, which: NDArray[np.intp]) -> Array:
+    """Places (F, 2) as the footstep `which` (F,) brings them from where it is in the clip to where it shall be."""
+    cos, sin = np.cos(turn[which]), np.sin(turn[which])
+    d = nominal[:, :2] - stances.place[which]
+    return stances.to[which] + np.stack([cos * d[:, 0] - sin * d[:, 1], sin * d[:, 0] + cos * d[:, 1]], axis=-1)
+
+
+def _turned(yaw: Array, pitch: Array) -> Array:
+    """Rotations (..., 4) of feet with a heading and a pitch."""
+    return multiply(from_axis_angle(_UP, yaw), from_axis_angle(_LEFT, -pitch))
