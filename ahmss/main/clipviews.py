@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +38,14 @@ def show_quality(path: Path, human: str, body: str, workspace: Path | None, *, a
     """Measure a file: a clip, a file of another maker on its own skeleton, or each human of a recording.
 
     Raises:
-        CommandError: the motion is too short.
+        CommandError: the motion is too short, or in a recording that of every human.
     """
     if path.suffix.lower() in OTHER_MAKERS:
         measured = {path.stem: measure_file(path, body_named(body or USUAL, workspace)[0])}
     else:
         motions = motions_in(path, human, body, workspace)
-        measured = {name: _measured(path, held) for name, held in motions.items()}
+        motions = {name: replace(held, clip=in_frames(path, held.clip)) for name, held in motions.items()}
+        measured = {name: _measured(path, held) for name, held in _long_enough(path, motions).items()}
     if as_json:
         _print_json(path, {name: quality.figures() for name, quality in measured.items()})
         return
@@ -76,8 +78,21 @@ def in_frames(path: Path, clip: Clip) -> Clip:
     return resample(clip, round(clip.rate) + 1)
 
 
+def _long_enough(path: Path, motions: dict[str, Held]) -> dict[str, Held]:
+    """The motions without those, said, of humans who are in a recording for a moment only; all where none is longer."""
+    short = [name for name, held in motions.items() if held.clip.duration < SHORTEST]
+    if len(short) == len(motions):
+        return motions
+    for name in short:
+        seconds = motions[name].clip.duration
+        print(
+            f"{path}: {name} left out: {seconds:.2f} s are too short to measure; {SHORTEST} s at least", file=sys.stderr
+        )
+    return {name: held for name, held in motions.items() if name not in short}
+
+
 def _measured(path: Path, held: Held) -> Quality:
-    clip = in_frames(path, held.clip)
+    clip = held.clip
     if clip.duration < SHORTEST:
         raise CommandError(f"{path}: {clip.duration:.2f} s are too short to measure; {SHORTEST} s at least")
     contacts = clip.contacts if held.declared else None

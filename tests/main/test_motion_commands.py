@@ -73,6 +73,11 @@ def wave(tmp_path: Path) -> Path:
 @pytest.fixture
 def recording(tmp_path: Path) -> Path:
     """Ken and aiko wave side by side; a third human has no pose."""
+    return recorded(tmp_path / "two.rec", there=0)
+
+
+def recorded(path: Path, there: int) -> Path:
+    """The same; the third human is there for so many frames at the end, and stands as ken does."""
     assets: dict[str, bytes] = {}
 
     def put(data: bytes) -> str:
@@ -88,15 +93,16 @@ def recording(tmp_path: Path) -> Path:
         for i, name in enumerate((*names, "ken"), start=1)
     ]  # fmt: skip
     humans[2] = msgspec.structs.replace(humans[2], name="nobody")
-    clips = [waving(name) for name in names]
-    writer = Writer(tmp_path / "two.rec", assets.get)
+    clips = [waving(name) for name in (*names, "ken")]
+    writer = Writer(path, assets.get)
     for k in range(clips[0].frames):
-        rows = [np.concatenate([c.root[k] + [0.0, i, 0.0], c.rotations[k].ravel()]) for i, c in enumerate(clips)]
-        ids, shown = np.array([1, 2], "<u4").tobytes(), np.array([k, k], "<u4").tobytes()
+        seen = 3 if k >= clips[0].frames - there else 2
+        rows = [np.concatenate([c.root[k] + [0.0, i, 0.0], c.rotations[k].ravel()]) for i, c in enumerate(clips[:seen])]
+        ids, shown = np.arange(1, seen + 1).astype("<u4").tobytes(), np.full(seen, k, "<u4").tobytes()
         poses = np.array(rows).astype("<f4").tobytes()
         writer.write(Snapshot(k, k / RATE, 1, ids, shown, poses), lambda: Scene(1, [], humans))
     writer.close()
-    return tmp_path / "two.rec"
+    return path
 
 
 def asked(typed: Typed, *words: object) -> Any:
@@ -147,6 +153,17 @@ def test_quality_of_a_recording_is_of_each_human_who_was_seen(typed: Typed, reco
     code, _, err = typed("quality", recording, "--human", "eve")
     assert code == 1
     assert "there is: aiko_1, ken_1" in err
+
+
+def test_who_is_in_a_recording_for_a_moment_is_left_out_of_its_quality(typed: Typed, tmp_path: Path) -> None:
+    path = recorded(tmp_path / "guest.rec", there=12)
+    code, out, err = typed("quality", path, "--json")
+    assert code == 0
+    assert list(json.loads(out)) == ["aiko_1", "ken_1"]
+    assert "nobody left out: 0.18 s are too short to measure; 0.5 s at least" in err
+    code, _, err = typed("quality", path, "--human", "nobody")
+    assert code == 1
+    assert "0.18 s are too short to measure" in err
 
 
 def test_quality_of_keyframes_is_of_what_is_between_them(typed: Typed, tmp_path: Path) -> None:
