@@ -15,7 +15,7 @@ import numpy as np
 from ahmss.algorithm.messages import HEADER, MAX_PAYLOAD, Kind, Ready, State, decode_start, encode, encode_state
 from ahmss.algorithm.performance import Function, Performance
 from ahmss.body.array import Array
-from ahmss.errors import AhmssError, ProtocolError
+from ahmss.errors import AhmssError, AlgorithmError, ProtocolError
 
 __all__ = ["Channel", "report", "run", "serve", "take_standard_output"]
 
@@ -114,8 +114,9 @@ def run(function: Function) -> NoReturn:
 
 
 def report(channel: Channel, error: Exception) -> None:
-    """An exception: its traceback to standard error, one line to main."""
-    traceback.print_exception(error)
+    """An exception: one line to main; its traceback to standard error, unless the author refuses in so many words."""
+    if not isinstance(error, AlgorithmError):
+        traceback.print_exception(error)
     with contextlib.suppress(BrokenPipeError):
         channel.write(encode(Kind.ERROR, _line(error).encode()[:4096]))
 
@@ -178,6 +179,8 @@ def _notes(performance: Performance) -> list[bytes | memoryview]:
 def _line(error: Exception) -> str:
     """An exception in one line, with the author's line where it came from."""
     text = str(error).strip().splitlines()[0] if str(error).strip() else ""
+    if isinstance(error, AlgorithmError) and text:
+        return text
     name = "" if isinstance(error, AhmssError) else type(error).__name__
     own = Path(__file__).parent
     for place in reversed(traceback.extract_tb(error.__traceback__)):

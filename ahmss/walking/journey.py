@@ -20,10 +20,11 @@ from ahmss.walking.selection import Selection, bins, candidates, measured, selec
 from ahmss.walking.shaping import Shaped, Shaping
 from ahmss.walking.treading import Ends
 
-__all__ = ["Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stride_at"]
+__all__ = ["SPOT", "Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stride_at"]
 
 _FORWARD = np.array([1.0, 0.0, 0.0])
 _MIRROR = np.array([1.0, -1.0, 1.0])
+SPOT = 0.02  # metres: who goes less far turns on the spot
 _SLOWEST, _FASTEST = 0.66, 1.4  # of the clips' cadence, that people still walk at
 
 
@@ -116,7 +117,9 @@ def journey(
         frames: how many to take; 0: as a person would. What no person could do is brought within what they can.
     """
     scale = standing.height / library.hip_height
-    begin, over = (float(course.heading[0]), float(course.heading[-1])) if course.length > 1e-3 else (now.heading,) * 2
+    if course.length < SPOT:  # too short a way to have a direction
+        course = Course(course.points[-1:], np.array([now.heading]), 0.0)
+    begin, over = float(course.heading[0]), float(course.heading[-1])
     d, f, mirror = bins(np.degrees(_wrapped(begin - now.heading)), np.degrees(_wrapped(facing - over)))
     lengths = measured(candidates(d, f), lambda key: scale * length_of(clip_of(library, key)))
     chosen = select(lengths, max(course.length, 1e-4))

@@ -11,7 +11,7 @@ from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.walking.course import Course, NoWay, plan
-from ahmss.walking.journey import Footing, Journey, Standing, footing, journey, onward, stride_at
+from ahmss.walking.journey import SPOT, Footing, Journey, Standing, footing, journey, onward, stride_at
 from ahmss.walking.library import RATE, Library
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
@@ -106,10 +106,9 @@ class Trip:
     def _set_out(self, now: Footing, circles: Sequence[tuple[float, float, float]] = ()) -> Journey:
         course = self._course(now.place, now.heading, circles)
         facing = float(course.heading[-1]) if self.facing is None else self.facing
-        if self.facing is None and course.length < 1e-3:
+        if self.facing is None and course.length < SPOT:
             facing = now.heading
-        frames, self.frames = self.frames, self.frames
-        return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
+        return journey(self.skeleton, self.library, self.standing, now, course, facing, self.frames)
 
     def _course(self, place: Array, heading: float, circles: Sequence[tuple[float, float, float]]) -> Course:
         return plan(

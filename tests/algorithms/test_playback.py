@@ -65,7 +65,7 @@ def test_a_hand_that_is_wanted_far_away_is_refused() -> None:
         list(frames(program("playback"), body.start(DOOR, "open")))
 
 
-CHAIR, BEFORE = "room/chair", (1.55, 0.2, 180.0)  # where a human stands to sit down
+CHAIR, BEFORE = "room/chair", (1.80, 0.2, 180.0)  # where a human stands to sit down
 
 
 def sits(
@@ -87,7 +87,7 @@ def test_the_hips_meet_the_seat_whatever_the_stature(name: str) -> None:
     assert heights.min() > 0.112
 
 
-@pytest.mark.parametrize(("name", "x", "y", "facing"), [("ken", 1.55, 0.2, 180.0), ("aiko", 1.49, 0.26, 172.0)])
+@pytest.mark.parametrize(("name", "x", "y", "facing"), [("ken", 1.80, 0.2, 180.0), ("aiko", 1.74, 0.26, 172.0)])
 def test_the_feet_stay_where_they_are_while_one_sits_down(name: str, x: float, y: float, facing: float) -> None:
     body = Body(name, x, y, facing)
     before = feet(body.skeleton, body.rotations, body.root)
@@ -97,18 +97,18 @@ def test_the_feet_stay_where_they_are_while_one_sits_down(name: str, x: float, y
 
 
 def test_who_sits_stands_up_to_where_they_stood() -> None:
-    body, _ = sits("aiko", x=1.53, y=0.25)
+    body, _ = sits("aiko", x=1.78, y=0.25)
     before = body.start(CHAIR, "sit")
     shown = body.do("playback", body.start(CHAIR, "stand_up"))
     assert before.pose.root[2] < 0.65
     assert shown[-1].root[2] > 0.525 * body.skeleton.stature
-    np.testing.assert_allclose(shown[-1].root[:2], [1.53, 0.25], atol=0.03)
+    np.testing.assert_allclose(shown[-1].root[:2], [1.78, 0.25], atol=0.03)
 
 
 @pytest.mark.parametrize(
     ("x", "facing", "sentence"),
-    [(0.7, 180.0, r"stands 0\.8\d m and 0 degrees from where the motion has it; bring it to 1\.5\d 0\.20 facing 180"),
-     (1.55, 90.0, r"90 degrees from where")],
+    [(0.95, 180.0, r"stands 0\.8\d m and 0 degrees from where the motion has it; bring it to 1\.8\d 0\.20 facing 180"),
+     (1.80, 90.0, r"90 degrees from where")],
 )  # fmt: skip
 def test_who_stands_elsewhere_is_refused(x: float, facing: float, sentence: str) -> None:
     with pytest.raises(AlgorithmError, match=sentence):

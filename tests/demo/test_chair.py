@@ -95,7 +95,7 @@ def failing(tmp_path: Path, *lines: str) -> int:
 
 
 def test_two_do_not_sit_on_one_chair(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    there = "at 1.55 0.2 facing 180"
+    there = "at 1.80 0.2 facing 180"
     failures = failing(
         tmp_path, f"human ken body ken {there}", f"human aiko body aiko {there}", "ken: do chair sit", "sync",
         "aiko: do chair sit", "sync", "ken: do chair stand_up", "sync", "aiko: do chair sit",
@@ -108,7 +108,7 @@ def test_two_do_not_sit_on_one_chair(tmp_path: Path, capfd: pytest.CaptureFixtur
 def test_who_stands_elsewhere_is_told_where_to_stand(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert failing(tmp_path, "human ken body ken at 0 0 facing -20", "do chair sit", "do chair stand_up") == 2
     said = capfd.readouterr()
-    assert "bring it to 1.55 0.20 facing 180" in said.out + said.err
+    assert "bring it to 1.80 0.20 facing 180" in said.out + said.err
     assert "room/chair stand_up: ken does not hold it" in said.out + said.err
 
 
