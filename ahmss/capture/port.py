@@ -186,8 +186,10 @@ class Port:
                 time.sleep(_GATHER)
             data += port.read(port.in_waiting)
             now = time.monotonic()
+        heard, damaged = self.heard, self.losses.damaged
         readings = parser.feed(data, now) if data else []
-        heard = self.heard
+        if self.losses.damaged > damaged:
+            heard.last_damaged = now
         heard.bytes += len(data)
         if readings:
             heard.records += len(readings)

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import errno
+import grp
 import os
+import stat
 from dataclasses import dataclass
 
 from serial.tools import list_ports
 
 from ahmss.capture.config import LineConfig, TrackerConfig
+from ahmss.capture.formats.decode import REACH
 
-__all__ = ["Heard", "of_error", "of_silence"]
+__all__ = ["Heard", "of_error", "of_silence", "unbelieved"]
+
+_LATELY = 1.0  # seconds
+_GROUP_READS_AND_WRITES = stat.S_IRGRP | stat.S_IWGRP
 
 
 @dataclass
 class Heard:
-    """What came over a line so far; times are monotonic seconds, 0 for never."""
+    """What came over a line so far; times are monotonic seconds, 0 for never.
+
+    last_damaged: when a whole record came last whose values can't be.
+    """
 
     opened: float = 0.0
     set_up: float = 0.0
@@ -24,6 +33,19 @@ class Heard:
     stations: tuple[int, ...] | None = None
     records: int = 0
     last_record: float = 0.0
+    last_damaged: float = 0.0
+
+    def unbelieved(self, now: float) -> bool:
+        """Whether records come, but none that can be believed."""
+        return self.last_damaged > self.last_record and now - self.last_damaged < _LATELY
+
+
+def unbelieved(where: str, device: str) -> str:
+    """Why records come and are of no use."""
+    return (
+        f"{where}: {device} sends records with values that can't be; come nearer to the transmitter (what is farther "
+        f"than {REACH:g} m is not believed)"
+    )
 
 
 def of_error(port: str, error: OSError) -> str:
@@ -33,8 +55,7 @@ def of_error(port: str, error: OSError) -> str:
         others = ", ".join(sorted(other.device for other in list_ports.comports())) or "none"
         return f"{port}: no such port; plug the tracker in, or give another (this machine has: {others})"
     if number in (errno.EACCES, errno.EPERM):
-        user = os.environ.get("USER", "$USER")
-        return f"{port}: this user may not open it; type: sudo usermod -aG dialout {user}   (and log in again)"
+        return f"{port}: this user may not open it; {_let_in(port)}"
     if number in (errno.EBUSY, errno.EAGAIN):
         return f"{port}: another program has it open; end that one first"
     if number in (errno.ENOTTY, errno.EINVAL, errno.EISDIR):
@@ -46,6 +67,8 @@ def of_error(port: str, error: OSError) -> str:
 def of_silence(config: TrackerConfig, line: LineConfig, heard: Heard, now: float) -> str:
     """Why an open line gives no records, or gives none any more."""
     where, device = line.port, config.kind.upper()
+    if heard.unbelieved(now):
+        return unbelieved(where, device)
     if heard.records:
         quiet = now - heard.last_record
         return f"{where}: {device} fell silent {quiet:.0f} s ago; look at its power and its cable"
@@ -67,6 +90,24 @@ def of_silence(config: TrackerConfig, line: LineConfig, heard: Heard, now: float
         f"{where}: not a byte comes; is the {device} switched on, is the cable plugged in at both ends, and is it the "
         "right cable (a FASTRAK wants a null modem)?"
     )
+
+
+def _let_in(port: str) -> str:
+    """How a user comes to open a port that refuses them: by its group, where that may open it."""
+    user = os.environ.get("USER", "$USER")
+    try:
+        found = os.stat(port)
+    except OSError as error:
+        return f"nor may they look at its rights ({error.strerror or error})"
+    if found.st_gid == 0 or found.st_mode & _GROUP_READS_AND_WRITES != _GROUP_READS_AND_WRITES:
+        return f"its mode lets no group in; type: sudo chown {user} {port}   (holds until it is plugged in again)"
+    try:
+        group = grp.getgrgid(found.st_gid).gr_name
+    except KeyError:
+        group = str(found.st_gid)
+    if found.st_gid in os.getgroups():
+        return f"though its group {group} is theirs: something else forbids it, such as the container that this runs in"
+    return f"type: sudo usermod -aG {group} {user}   (and log in again)"
 
 
 def _number(error: OSError) -> int | None:

@@ -12,7 +12,7 @@ from ahmss.capture.assembly import Sweep
 from ahmss.capture.config import TrackerConfig, UdpConfig
 from ahmss.capture.formats import ultratrak
 from ahmss.capture.formats.losses import Losses
-from ahmss.capture.trouble import Heard
+from ahmss.capture.trouble import Heard, unbelieved
 
 __all__ = ["Numbers", "UdpPort"]
 
@@ -86,6 +86,8 @@ class UdpPort:
         if not heard.opened or now - max(heard.opened, heard.last_record) < 1.0:
             return ""
         where = f"UDP {udp.address}:{udp.port}"
+        if heard.unbelieved(now):
+            return unbelieved(where, "ULTRATRAK")
         if heard.records:
             return f"{where}: silent for {now - heard.last_record:.0f} s; look at its power and its cable"
         if self.losses.foreign:
@@ -120,7 +122,10 @@ class UdpPort:
             self._frame(data, now, numbers)
 
     def _frame(self, data: bytes, now: float, numbers: Numbers) -> None:
+        damaged = self.losses.damaged
         frame = ultratrak.decode(data, self._config.units, self.losses, now)
+        if self.losses.damaged > damaged:
+            self.heard.last_damaged = now
         fresh = None if frame is None else numbers.judge(frame.number, now)
         if frame is None:
             return
@@ -129,7 +134,8 @@ class UdpPort:
             return
         self.heard.bytes += len(data)
         self.heard.records += len(frame.readings)
-        self.heard.last_record = now
+        if frame.readings or self.losses.damaged == damaged:
+            self.heard.last_record = now
         self._give(Sweep(frame.number, {reading.station: reading for reading in frame.readings}, now, fresh))
 
 

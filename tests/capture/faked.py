@@ -10,6 +10,7 @@ import time
 import tty
 from dataclasses import dataclass, field
 
+import msgspec
 import numpy as np
 
 from ahmss.capture.commands import CommandDecoder
@@ -29,7 +30,10 @@ def truth(station: int, count: int) -> Reading:
 
 @dataclass
 class Fake:
-    """A device of one line. Set `mute`, `off`, `noise` (in the stream), `weak` as it runs; `heard` are the commands."""
+    """A device of one line.
+
+    Set `mute`, `off`, `noise` (in the stream), `weak`, `away` (metres) as it runs; `heard` are the commands.
+    """
 
     kind: str
     stations: int
@@ -39,6 +43,7 @@ class Fake:
     off: bool = False
     noise: bytes = b""
     weak: int = 0
+    away: float = 0.0
     heard: list[str] = field(default_factory=list)
 
     def __post_init__(self):
@@ -110,6 +115,8 @@ class Fake:
         records = [truth(station, self.count) for station in range(1, self.stations + 1)]
         if self.weak:
             records[self.weak - 1] = Reading(self.weak, "C", *_pose(records[self.weak - 1]))
+        if self.away:
+            records = [msgspec.structs.replace(record, position=(self.away, 0.0, 0.0)) for record in records]
         data = b"".join(encode(record, layout) for record in records)
         data = data[: len(data) // 2] + self.noise + data[len(data) // 2 :]
         self._write(data if self.metric else b"0 1  what nobody asked for\r\n")

@@ -207,6 +207,32 @@ def datagram(number):
     return ultratrak.encode(1000 + number, [truth(station, number) for station in range(1, 16)])
 
 
+def test_who_walks_out_of_reach_is_told_so_and_not_to_look_at_the_power():
+    with Fake("liberty", 2) as fake, Tracker(fake.config()) as tracker:
+        frames_of(tracker, 10)
+        fake.away = 9.5
+        said = silence_of(tracker, "values that can't be")
+        assert "LIBERTY sends records with values that can't be; come nearer to the transmitter" in said
+        fake.mute = True
+        assert "fell silent" in silence_of(tracker, "fell silent")
+        fake.away, fake.mute = 0.0, False
+        frames_of(tracker, 10)
+        assert tracker.silence == ""
+
+
+def test_datagrams_of_who_is_out_of_reach(free_port):
+    far = [msgspec.structs.replace(truth(station, 0), position=(9.5, 0.0, 0.0)) for station in range(1, 16)]
+    sender, said = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), ""
+    with sender, Tracker(TrackerConfig(kind="ultratrak", udp=UdpConfig(free_port))) as tracker:
+        end = time.monotonic() + 15.0
+        while "values that can't be" not in said and time.monotonic() < end:
+            sender.sendto(ultratrak.encode(round(60.0 * time.monotonic()), far), ("127.0.0.1", free_port))
+            tracker.poll()
+            said = tracker.silence
+            time.sleep(0.02)
+    assert "ULTRATRAK sends records with values that can't be; come nearer" in said
+
+
 def test_datagrams_lost_doubled_late_and_foreign(free_port):
     config = TrackerConfig(kind="ultratrak", udp=UdpConfig(free_port))
     order = [0, 1, 2, 4, 3, 5, 5, 6, 8, 9, 7, 10, 13, 14]  # 11 and 12 never come

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import errno
+import grp
 import json
+import os
 
 import msgspec
 import pytest
@@ -47,7 +49,7 @@ def test_a_port_that_is_missing(capsys):
 @pytest.mark.parametrize(
     ("number", "said"),
     [
-        (errno.EACCES, "this user may not open it; type: sudo usermod -aG dialout"),
+        (errno.EACCES, "this user may not open it; nor may they look at its rights"),
         (errno.EBUSY, "another program has it open"),
         (errno.EIO, "unplugged"),
         (errno.ENOTTY, "no serial port"),
@@ -55,6 +57,28 @@ def test_a_port_that_is_missing(capsys):
 )
 def test_what_the_system_says_of_a_port(number, said):
     assert said in of_error("/dev/ttyUSB0", OSError(number, "words"))
+
+
+@pytest.mark.parametrize(
+    ("mode", "group", "said"),
+    [
+        (0o660, "tty", "type: sudo usermod -aG tty eve   (and log in again)"),
+        (0o664, "daemon", "type: sudo usermod -aG daemon eve"),
+        (0o620, "tty", "its mode lets no group in; type: sudo chown eve /dev/ttyUSB0"),
+        (0o660, "root", "its mode lets no group in"),
+        (0o600, "tty", "its mode lets no group in"),
+    ],
+)
+def test_who_may_not_open_a_port_is_told_the_group_that_may(monkeypatch, mode, group, said):
+    gid, asked = grp.getgrnam(group).gr_gid, os.stat
+    real = os.stat_result((0o020000 | mode, 1, 1, 1, 0, gid, 0, 0, 0, 0))
+    monkeypatch.setenv("USER", "eve")
+    monkeypatch.setattr(os, "getgroups", lambda: [0])
+    monkeypatch.setattr(os, "stat", lambda path, **more: real if path == "/dev/ttyUSB0" else asked(path, **more))
+    assert f"may not open it; {said}" in of_error("/dev/ttyUSB0", OSError(errno.EACCES, "words"))
+    monkeypatch.setattr(os, "getgroups", lambda: [gid])
+    mine = of_error("/dev/ttyUSB0", OSError(errno.EACCES, "words"))
+    assert ("is theirs" in mine) == ("usermod" in said)
 
 
 def test_a_device_that_is_off(monkeypatch):
