@@ -25,6 +25,7 @@ from ahmss.capture.stations import TRACKED, Status, TrackerFrame
 from ahmss.capture.take import from_frames
 from ahmss.database.records import HumanModel
 from ahmss.database.shape import Shape
+from ahmss.errors import DependencyError
 from ahmss.motion.hips_online import HipsOnline
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
@@ -73,6 +74,8 @@ class Latency:
     @property
     def sentence(self) -> str:
         """In one line."""
+        if not self.frames:
+            return "byte to server: not known, no answer came back in time"
         return f"byte to server: p50 {self.p50:.1f} ms, p99 {self.p99:.1f} ms over {self.frames} frames"
 
 
@@ -147,11 +150,12 @@ def drive(
         seconds: how long; None: until it is interrupted.
 
     Raises:
-        Unreachable: there is no server. WorldError: it refused.
+        Unreachable: there is no server. WorldError: it refused. DependencyError: the human never moved; says why.
     """
     skeleton = puppet.model.skeleton
     rotations, root = skeleton.upright()
     rotations[0] = multiply(from_axis_angle(_UP, np.array(puppet.heading)), rotations[0])
+    rotations[len(TRACKED) :] = skeleton.relaxed()[0][len(TRACKED) :]  # as they will be
     texture = shape.texture.data if shape.texture else b""
     client.join(
         puppet.human, puppet.model.name, root + np.array([*puppet.place, 0.0]), rotations,
@@ -165,9 +169,12 @@ def drive(
             while not over.is_set() and (until is None or time.monotonic() < until):
                 session.look(tracker)
                 time.sleep(_LOOK)
+            silence = tracker.silence
         say(tracker.losses.sentence)
     finally:
         client.leave(puppet.human)
+    if not session.published:
+        raise DependencyError(silence or session.waited_for)
     return Latency.of(session.times)
 
 
@@ -178,15 +185,24 @@ class _Session:
         self._performer = Performer(puppet.model.skeleton, config, puppet)
         self._human, self._client, self._say = puppet.human, client, say
         self._asked: deque[tuple[float, Pending]] = deque(maxlen=_UNANSWERED)
-        self._published = 0
+        self._frames = 0
         self._told, self._counted = time.monotonic(), 0
         self._silence = ""
         self.times: list[float] = []
+        self.published = 0
+
+    @property
+    def waited_for(self) -> str:
+        """Why the human has not moved, though the tracker is not silent."""
+        if not self._frames:
+            return "it ended before the first frame of the tracker came"
+        return f"the subject did not stand upright and still for a second in {self._frames} frames: nothing moved"
 
     def look(self, tracker: Tracker) -> None:
         """Take in what the tracker has, move the human, hear the server."""
         newest: tuple[TrackerFrame, tuple[Array, Array]] | None = None
         for frame in tracker.poll():
+            self._frames += 1
             waited = not self._performer.calibrated
             pose = self._performer.step(frame)
             if pose is not None:
@@ -195,8 +211,8 @@ class _Session:
                     self._say("calibrated: move")
         if newest is not None:
             frame, (rotations, root) = newest
-            self._published += 1
-            if self._client.publish(self._human, self._published, root, rotations):
+            self.published += 1
+            if self._client.publish(self._human, self.published, root, rotations):
                 self._asked.append((frame.arrival, self._client.begin(Heartbeat())))
         self._client.poll()
         while self._asked and self._asked[0][1].done:

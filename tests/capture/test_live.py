@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import time
 
 import numpy as np
 import pytest
 
+from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
-from ahmss.capture.config import TrackerConfig
-from ahmss.capture.live import Latency, Performer, Puppet
+from ahmss.capture.config import LineConfig, TrackerConfig
+from ahmss.capture.live import Latency, Performer, Puppet, drive
 from ahmss.capture.stations import Status, TrackerFrame
 from ahmss.database.workspace import Workspace
+from ahmss.errors import DependencyError
 from ahmss.world.client import WorldClient
 from ahmss.world.process import ServerProcess
+from tests.capture.faked import Fake
 from tests.capture.stage import AHMSS, ROOT, simulated
 from tests.capture.taken import SUBJECT, degrees_between, performed, take_of
 
@@ -63,9 +67,34 @@ def test_who_moves_or_is_not_seen_whole_does_not_calibrate_it(ken):
 
 def test_latency_in_milliseconds():
     assert Latency.of([]) == Latency(0, 0.0, 0.0)
+    assert "not known" in Latency.of([]).sentence
     found = Latency.of([0.001] * 98 + [0.1] * 2)
     assert (found.frames, found.p50) == (100, 1.0)
     assert found.p99 > 50.0
+
+
+@pytest.fixture
+def driven(ken, tmp_path):
+    """Drives ken by a tracker for so many seconds: what it raised, and what was said."""
+    server = ServerProcess(log=tmp_path / "server.log")
+
+    def drive_by(config: TrackerConfig, seconds: float) -> tuple[str, list[str]]:
+        said: list[str] = []
+        with WorldClient(str(server.address)) as client, pytest.raises(DependencyError) as raised:
+            drive(config, Puppet("ken", ken), Workspace.find(ROOT).humans.shape("ken"), client, said.append, seconds)
+        return str(raised.value), said
+
+    yield drive_by
+    server.stop()
+
+
+def test_who_got_nothing_live_is_told_why(driven):
+    why, said = driven(TrackerConfig(line=(LineConfig("/dev/ttyNOT_THERE"),)), 0.3)
+    assert "/dev/ttyNOT_THERE: no such port" in why
+    assert not any("p50" in line for line in said)
+    with Fake("liberty", 2) as fake:
+        why, _ = driven(fake.config(), 2.0)
+    assert re.search(r"did not stand upright and still for a second in \d+ frames", why)
 
 
 def test_the_tracker_drives_a_human_of_the_world(tmp_path):
@@ -78,8 +107,11 @@ def test_the_tracker_drives_a_human_of_the_world(tmp_path):
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             )  # fmt: skip
             heights: list[float] = []
+            fingers: list[Array] = []
             while live.poll() is None:
-                heights += client.refresh().human_poses[:, 2].tolist()
+                seen = client.refresh().human_poses
+                heights += seen[:, 2].tolist()
+                fingers += list(seen[:, 3:].reshape(-1, 43, 4)[:, 15:])
                 time.sleep(0.05)
             out, said = live.communicate()
             left = client.refresh().human_poses
@@ -89,4 +121,5 @@ def test_the_tracker_drives_a_human_of_the_world(tmp_path):
     assert "calibrated: move" in said
     assert json.loads(out)["byte_to_server_ms"]["frames"] > 100
     assert max(heights) - min(heights) > 0.2  # it bent to lift
+    assert degrees_between(np.array(fingers), fingers[0]).max() < 0.1  # relaxed from the start
     assert len(left) == 0
