@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -56,6 +57,11 @@ class Wishes:
         """The same in frames and radians."""
         upright = None
         if self.upright is not None:
+            if not all(map(math.isfinite, self.upright)):
+                raise CommandError(
+                    f"--upright {self.upright[0]:g} {self.upright[1]:g}; give the seconds from and to which the "
+                    "subject stands upright"
+                )
             upright = (round(self.upright[0] * rate), round(self.upright[1] * rate))
         return Choices(upright, facing_of(self.facing), self.mend, self.smooth)
 
@@ -65,9 +71,12 @@ def facing_of(text: str) -> float | None:
     if text == "sensors":
         return None
     try:
-        return float(np.radians(float(text)))
+        degrees = float(text)
     except ValueError:
-        raise CommandError(f'--facing "{text}"; give degrees to the left of the transmitter\'s x, or sensors') from None
+        degrees = math.nan
+    if not math.isfinite(degrees):
+        raise CommandError(f'--facing "{text}"; give degrees to the left of the transmitter\'s x, or sensors')
+    return math.radians(degrees)
 
 
 def print_template(kind: str) -> None:
@@ -88,6 +97,7 @@ def record_clip(
 ) -> None:  # fmt: skip
     """Record a take and make a clip of it; the take stays whatever becomes of the clip."""
     config, skeleton = load(config_path), wishes.skeleton()
+    wishes.choices(config.rate)  # what is wrong with them is said before anybody performs
     take_path = out.with_suffix(".take.npz")
     _keep(take_path, out, force=force)
     _count_down(wait)

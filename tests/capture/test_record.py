@@ -91,8 +91,24 @@ def test_what_is_typed_wrong_is_told_in_one_sentence(words, said, monkeypatch, c
 def test_facing_is_degrees_or_sensors():
     assert facing_of("90") == pytest.approx(np.pi / 2)
     assert facing_of("sensors") is None
-    with pytest.raises(CommandError, match="sensors"):
-        facing_of("north")
+    for wrong in ("north", "nan", "inf"):
+        with pytest.raises(CommandError, match="sensors"):
+            facing_of(wrong)
+
+
+@pytest.mark.parametrize("upright", [(np.nan, 2.0), (0.0, np.inf)])
+def test_the_upright_stretch_is_seconds(upright, tmp_path):
+    wishes = Wishes("ken", upright, "0", False, 0.0, ROOT)
+    with pytest.raises(CommandError, match="give the seconds"):
+        wishes.choices(60.0)
+    (tmp_path / "tracker.toml").write_text(template("liberty"))
+    started = time.monotonic()
+    with pytest.raises(CommandError, match="--upright"):  # before anybody performs
+        record_clip(
+            tmp_path / "x.npz", tmp_path / "tracker.toml", wishes, seconds=1.0, wait=60.0, origin="", force=False,
+            as_json=False,
+        )  # fmt: skip
+    assert time.monotonic() - started < 30.0
 
 
 def frames(count: int, rate: float) -> list[TrackerFrame]:
