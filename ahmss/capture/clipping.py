@@ -26,6 +26,7 @@ __all__ = ["Captured", "Choices", "clip_of", "joint_rotations"]
 _TURNED_AWAY = np.radians(15.0)  # the places of the sensors tell the heading to about 5 degrees
 _PARENTS = list(PARENTS[1 : len(TRACKED)])
 _RESTLESS = 1.0  # degrees RMS
+_MANY = 10  # lines on gaps; of more nobody reads each
 
 
 @dataclass(frozen=True)
@@ -65,11 +66,28 @@ class Captured:
                 f"the left and right sensors say that the subject faced {np.degrees(calibration.doubt):+.0f} degrees "
                 "from where --facing has it: give the right one, or --facing sensors"
             )
-        for (begin, until), links in self._gaps_together().items():
-            lines.append(f"{_named(links)}: nothing {_when(begin, until, rate)}, filled")
+        lines += self._of_gaps()
         how = "mended" if self.mended else "left as it is; --mend puts a smooth way across"
         for jump in self.jumps:
             lines.append(f"{jump.link}: jumps by {jump.degrees:.0f} degrees {_when(jump.first, jump.end, rate)}, {how}")
+        return lines
+
+    def _of_gaps(self) -> list[str]:
+        """A line for each time that sensors gave nothing; where there are many, a line for each link."""
+        rate, together = self.clip.rate, self._gaps_together()
+        if len(together) <= _MANY:
+            return [f"{_named(links)}: nothing {_when(*when, rate)}, filled" for when, links in together.items()]
+        lines: list[str] = []
+        for link in TRACKED:
+            own = [(gap.end - gap.first, gap) for gap in self.gaps if gap.link == link]
+            if not own:
+                continue
+            longest = max(own, key=lambda pair: pair[0])[1]
+            times, frames = "once" if len(own) == 1 else f"{len(own)} times", sum(length for length, _ in own)
+            lines.append(
+                f"{link}: nothing {times}, {frames / rate:.2f} s in all, the longest "
+                f"{_when(longest.first, longest.end, rate)}, filled"
+            )
         return lines
 
     def _gaps_together(self) -> dict[tuple[int, int], list[str]]:

@@ -49,6 +49,20 @@ def test_what_should_be_known_is_said():
     assert "faced" not in "\n".join(clip_of(take, SUBJECT, Choices(facing=np.radians(40.0))).report())
 
 
+def test_many_gaps_are_told_link_by_link():
+    take, _ = take_of(performed("lift"))
+    take.status[100:110, 5] = take.status[120:125, 5] = Status.MISSING
+    few = clip_of(take, SUBJECT).report()
+    assert sum("right_hand: nothing" in line for line in few) == 2
+    for first in range(130, 190, 4):
+        take.status[first, 8] = Status.MISSING
+    many = [line for line in clip_of(take, SUBJECT).report() if "nothing" in line]
+    assert many == [
+        "right_hand: nothing 2 times, 0.25 s in all, the longest from 1.67 to 1.83 s, filled",
+        "right_foot: nothing 15 times, 0.25 s in all, the longest from 2.17 to 2.18 s, filled",
+    ]
+
+
 def test_jitter_is_smoothed_when_asked():
     take, _ = take_of(performed("lift"), noise="resolution")
     true, _ = take_of(performed("lift"))
