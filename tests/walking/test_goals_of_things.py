@@ -1,0 +1,41 @@
+"""Where one stands to use a thing that has no place of its own for that."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from ahmss.body.quaternion import from_axis_angle
+from ahmss.walking.goals import beside, facing_of
+
+THING = np.array([2.0, 0.5])
+
+
+def box(x: float, y: float, width: float, depth: float) -> np.ndarray:
+    return np.array([[-width, -depth], [width, -depth], [width, depth], [-width, depth]]) / 2.0 + [x, y]
+
+
+@pytest.mark.parametrize("human", [(0.0, 0.0), (2.0, 3.0), (5.0, 0.5)])
+def test_one_stands_before_it_on_the_own_side_looking_at_it(human: tuple[float, float]) -> None:
+    goal = beside(THING, np.array(human), [])
+    assert np.linalg.norm(goal.place - THING) == pytest.approx(0.42, abs=0.02)
+    towards = np.array(human) - THING
+    assert (goal.place - THING) @ towards / np.linalg.norm(towards) > 0.38
+    way = THING - goal.place
+    assert goal.facing == pytest.approx(np.arctan2(way[1], way[0]))
+
+
+def test_what_stands_on_a_table_is_used_from_its_edge() -> None:
+    table = box(2.0, 0.5, 1.2, 0.8)
+    goal = beside(np.array([2.0, 0.25]), np.array([2.0, -3.0]), [table])
+    away = shapely.distance(shapely.Polygon(table), shapely.points(goal.place))
+    assert 0.18 < away < 0.29
+    assert goal.place[1] < 0.1  # on the side that it is near to and the human comes from
+    assert abs(goal.place[0] - 2.0) < 0.15
+
+
+@pytest.mark.parametrize("degrees", [0.0, 90.0, -135.0, 179.0])
+def test_a_heading_is_that_of_the_x_axis(degrees: float) -> None:
+    q = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.radians(degrees))
+    assert np.degrees(facing_of(q)) == pytest.approx(degrees)

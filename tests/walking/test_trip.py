@@ -1,0 +1,253 @@
+"""Trips among things and people: others walk as they are told to, whatever the walker does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import shapely
+
+from ahmss.body.array import Array
+from ahmss.errors import AlgorithmError
+from ahmss.motion.contact import foot_points
+from ahmss.walking import trip
+from ahmss.walking.library import BODY, RATE
+from ahmss.walking.trip import Ground, Trip, Walker
+
+from . import measures as m
+
+APART = 0.5  # metres between the hips' middles of two people that pass
+
+
+def box(x: float, y: float, width: float, depth: float) -> Array:
+    return np.array([[-width, -depth], [width, -depth], [width, depth], [-width, depth]]) / 2.0 + [x, y]
+
+
+TABLE = box(2.5, 0.1, 1.0, 1.2)
+CORRIDOR = [box(3.0, 0.55, 9.0, 0.1), box(3.0, -0.55, 9.0, 0.1), box(-1.5, 0.0, 0.1, 1.2), box(7.5, 0.0, 0.1, 1.2)]
+
+Others = Callable[[float], Sequence[Walker]]
+"""Who is where at a time in seconds."""
+
+
+@dataclass
+class Made:
+    """A trip made to its end: the walk; the pieces' frames; others (F, n, 2); what was noted."""
+
+    walk: m.Walk
+    pieces: list[int]
+    others: Array
+    notes: list[str]
+
+    def nearest(self) -> float:
+        away = np.linalg.norm(self.walk.root[:, None, :2] - self.others, axis=-1)
+        return float(away.min())
+
+
+def go(
+    goal: tuple[float, float], facing: float | None = None, *, ground: Ground | None = None,
+    others: Others = lambda _: (), name: str = "ken", start: float = 0.0, frames: int = 0, most: int = 6000,
+) -> Made:  # fmt: skip
+    """From the origin, heading `start` degrees, to a goal, facing degrees."""
+    body, notes, made = m.subject(name), [], 0
+    made_trip = Trip(
+        body.skeleton, m.library(), ground or Ground(), np.array(goal), None if facing is None else np.radians(facing),
+        frames, lambda: others(made / RATE), notes.append,
+    )  # fmt: skip
+    rotations, root = body.at((0.0, 0.0), start)
+    pieces = []
+    for piece in made_trip.pieces(rotations, root):
+        pieces.append(piece)
+        made += len(piece.root)
+        assert made < most, "it never arrives"
+    turned = np.concatenate([piece.rotations for piece in pieces])
+    whole = np.repeat(body.rotations[None], len(turned), axis=0)
+    whole[:, :BODY] = turned
+    walk = m.Walk(
+        body.skeleton, whole, np.concatenate([piece.root for piece in pieces]), np.zeros((len(turned), 2, 3), bool),
+        np.concatenate([piece.ankles for piece in pieces]), np.concatenate([piece.feet for piece in pieces]),
+    )  # fmt: skip
+    there = [[other.place for other in others((k + 1) / RATE)] for k in range(len(turned))]
+    return Made(walk, [len(piece.root) for piece in pieces], np.array(there).reshape(len(turned), -1, 2), notes)
+
+
+def walking(since: tuple[float, float], velocity: tuple[float, float], begin: float = 0.0, end: float = 99.0) -> Others:
+    """Somebody who walks from a place at a velocity from one time to another, and stands before and after."""
+
+    def at(seconds: float) -> Sequence[Walker]:
+        moving = begin <= seconds < end
+        way = np.clip(seconds, begin, end) - begin
+        speed = np.array(velocity)
+        return (Walker(np.array(since) + way * speed, speed if moving else np.zeros(2)),)
+
+    return at
+
+
+def standing(x: float, y: float) -> Others:
+    return walking((x, y), (0.0, 0.0))
+
+
+def check(made: Made, goal: tuple[float, float], facing: float | None = None) -> None:
+    """What holds of every trip: it arrives, feet that touch stay, nothing jumps."""
+    walk = made.walk
+    place, off = m.arrival(walk, np.array(goal), np.radians(facing or 0.0))
+    assert place < 0.01
+    assert facing is None or off < 1.0
+    assert m.sunk(walk) < 0.003
+    assert m.knee_flexion(walk).min() > 0.0
+    assert m.missed(walk) < 1e-6
+    steps = np.linalg.norm(np.diff(walk.root, axis=0), axis=-1)
+    assert steps.max() * RATE < 2.2  # nobody is put elsewhere
+    soles = np.linalg.norm(np.diff(foot_points(walk.skeleton, walk.rotations, walk.root), axis=0), axis=-1)
+    assert soles.min(axis=(1, 2)).max() < 0.003  # at each frame some point of some foot stands
+    assert soles.max() * RATE < 8.0
+
+
+def test_over_an_empty_floor_it_is_a_walk() -> None:
+    made = go((3.0, -1.0), 90.0)
+    check(made, (3.0, -1.0), 90.0)
+    assert not made.notes
+    assert len(made.pieces) > 3  # a step at a time
+
+
+def test_without_a_facing_one_looks_where_one_came() -> None:
+    made = go((2.0, 2.0))
+    check(made, (2.0, 2.0), 45.0)
+
+
+@pytest.mark.parametrize("name", m.HUMANS)
+def test_round_the_table(name: str) -> None:
+    made = go((5.0, 0.0), 0.0, ground=Ground([TABLE], ["room/table"]), name=name)
+    check(made, (5.0, 0.0), 0.0)
+    hips = shapely.points(made.walk.root[:, :2])
+    assert shapely.distance(shapely.Polygon(TABLE), hips).min() > 0.15
+    feet = shapely.points(made.walk.ankles[:, :, :2].reshape(-1, 2))
+    assert shapely.distance(shapely.Polygon(TABLE), feet).min() > 0.03  # nor do the feet go into it
+
+
+def test_round_somebody_who_stands_in_the_way() -> None:
+    made = go((5.0, 0.0), 0.0, others=standing(2.5, 0.0))
+    check(made, (5.0, 0.0), 0.0)
+    assert made.nearest() > APART
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("late", [-0.8, -0.4, 0.0, 0.4, 0.8])
+def test_somebody_who_crosses_is_not_run_into(side: float, late: float) -> None:
+    """They are where the walker would be after 3.6 seconds, a little sooner or later."""
+    made = go((6.0, 0.0), 0.0, others=walking((3.0, -side * (3.6 + late)), (0.0, side * 1.0)))
+    check(made, (6.0, 0.0), 0.0)
+    assert made.nearest() > APART
+
+
+@pytest.mark.parametrize("aside", [-0.2, 0.0, 0.2])
+def test_somebody_who_comes_towards_one_is_passed(aside: float) -> None:
+    made = go((7.0, 0.0), 0.0, others=walking((8.0, aside), (-1.1, 0.0), end=14.0))
+    check(made, (7.0, 0.0), 0.0)
+    assert made.nearest() > APART
+
+
+def test_who_closes_the_way_is_waited_for() -> None:
+    made = go((6.0, 0.0), 0.0, ground=Ground(CORRIDOR, ["wall"] * 4), others=gone_after(5.0))
+    check(made, (6.0, 0.0), 0.0)
+    assert made.nearest() > APART
+    waited = [count for count in made.pieces if count == 1]
+    assert len(waited) > 20
+
+
+def gone_after(seconds: float) -> Others:
+    """Somebody who stands in the corridor and leaves it through a wall, as only in a test."""
+
+    def at(now: float) -> Sequence[Walker]:
+        way = min(1.3 * max(now - seconds, 0.0), 4.0)
+        return (Walker(np.array([2.5, way]), np.array([0.0, 1.3 if 0.0 < way < 4.0 else 0.0])),)
+
+    return at
+
+
+def test_who_never_goes_is_waited_for_but_not_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trip, "_PATIENCE", 0.5)
+    with pytest.raises(AlgorithmError, match="somebody stands in the way"):
+        go((6.0, 0.0), 0.0, ground=Ground(CORRIDOR, ["wall"] * 4), others=standing(2.5, 0.0))
+
+
+def test_somebody_far_off_changes_nothing() -> None:
+    alone, other = go((4.0, 0.0), 0.0), go((4.0, 0.0), 0.0, others=walking((0.0, 4.0), (1.0, 0.0)))
+    np.testing.assert_array_equal(alone.walk.root, other.walk.root)
+
+
+def test_somebody_behind_is_not_waited_for() -> None:
+    made = go((4.0, 0.0), 0.0, others=walking((-2.0, 0.0), (0.6, 0.0), end=3.0))
+    assert len(made.walk.root) < 1.2 * len(go((4.0, 0.0), 0.0).walk.root)
+
+
+@pytest.mark.parametrize(("frames", "said"), [(200, "too few"), (900, "too many"), (0, ""), (420, "")])
+def test_frames_that_nobody_walks_in_are_said_to_be_so(frames: int, said: str) -> None:
+    made = go((5.0, 0.0), 0.0, frames=frames)
+    assert len(made.notes) == (said != "")
+    if said:
+        assert said in made.notes[0]
+        assert str(len(made.walk.root)) in made.notes[0]  # how many it takes
+    elif frames:
+        assert len(made.walk.root) == frames
+
+
+@pytest.mark.parametrize("name", m.HUMANS)
+@pytest.mark.parametrize("facing", [60.0, -150.0, 180.0, 21.0])
+def test_turning_on_the_spot_stays_on_the_spot(facing: float, name: str) -> None:
+    made = go((0.0, 0.0), facing, start=20.0, name=name)
+    check(made, (0.0, 0.0), facing)
+    assert np.linalg.norm(made.walk.root[:, :2], axis=-1).max() < 0.2
+
+
+def both(first: tuple[float, float], second: tuple[float, float], goals: Sequence[tuple[float, float]]) -> list[Array]:
+    """Two trips at once, each seeing the other's last frame and speed; the hips' ways (F, 3) of both."""
+    body, starts = m.subject("ken"), (first, second)
+    roots: list[list[Array]] = []
+    walks = []
+
+    def seen(other: int) -> Callable[[], Sequence[Walker]]:
+        def now() -> Sequence[Walker]:
+            way = roots[other]
+            since = way[max(len(way) - 31, 0)]
+            seconds = min(len(way) - 1, 30) / RATE
+            velocity = (way[-1][:2] - since[:2]) / seconds if seconds else np.zeros(2)
+            return (Walker(way[-1][:2].copy(), velocity),)
+
+        return now
+
+    for i, (place, goal) in enumerate(zip(starts, goals, strict=True)):
+        way = np.subtract(goal, place)
+        rotations, root = body.at(place, float(np.degrees(np.arctan2(way[1], way[0]))))
+        roots.append([root])
+        one = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, seen(1 - i))
+        walks.append(root for piece in one.pieces(rotations, root) for root in piece.root)
+    going = {0, 1}
+    while going:
+        for i in tuple(going):
+            root = next(walks[i], None)
+            if root is None:
+                going.discard(i)
+            else:
+                roots[i].append(root)
+        assert max(map(len, roots)) < 2400, "they never arrive"
+    return [np.array(way) for way in roots]
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.15, -0.15, 0.4])
+def test_two_who_meet_head_on_pass_each_other(aside: float) -> None:
+    ways = both((0.0, 0.0), (6.5, aside), ((6.5, 0.0), (0.0, aside)))
+    last = max(map(len, ways))
+    a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
+    assert np.linalg.norm(a - b, axis=-1).min() > APART
+    assert np.linalg.norm(a[-1] - [6.5, 0.0]) < 0.01
+    assert np.linalg.norm(b[-1] - [0.0, aside]) < 0.01
+
+
+def test_two_whose_ways_cross_do_not_run_into_each_other() -> None:
+    ways = both((0.0, 0.0), (3.0, -3.0), ((6.0, 0.0), (3.0, 3.0)))
+    last = max(map(len, ways))
+    a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
+    assert np.linalg.norm(a - b, axis=-1).min() > APART
