@@ -32,6 +32,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 _AHEAD = np.array([0.0, 0.0, -1.0])  # of the hips' frame
 _BENDING = 8.0  # degrees between the ways of one stride and the next: no straight walking
 _ASIDE = 20.0  # degrees between where the hips face, as a mean, and the way: no walking ahead
+_WAVERING = 3.0  # degrees, the same of people who go straight on
 _TURN = 20.0  # degrees of a turn in walking that are worth a word
 _BESIDE = 0.25  # of the hips' height: how far apart, ahead, feet may be that stand side by side
 _LEAD, _SETTLE = (
@@ -190,7 +191,7 @@ class _Cutter:
         begin = 0
         while begin < len(bends):
             end = begin
-            while end < len(bends) and abs(bends[end]) >= _BENDING and bends[end] * bends[begin] > 0.0:
+            while end < len(bends) and abs(bends[end]) >= _WAVERING and bends[end] * bends[begin] > 0.0:
                 end += 1
             turn = sum(bends[begin:end])
             if abs(turn) >= _TURN:

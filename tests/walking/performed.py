@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import from_axis_angle, from_rotation_vector, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion import clip as clips
 from ahmss.motion.clip import Clip, ClipHeader
+from ahmss.motion.contact import foot_points
 from ahmss.walking.catalogue import Key
 from ahmss.walking.fitting import Pose
 from ahmss.walking.gait import GAIT
@@ -21,7 +23,21 @@ from ahmss.walking.plans import Planner, Take
 from ahmss.walking.replanting import whole
 
 HUMAN = Skeleton.of(1.62, "female", "aiko")
-STAND = Stand(*HUMAN.relaxed())
+
+
+def _leaning() -> Stand:
+    """Standing with the hips 3 cm ahead of the ankles, as people do."""
+    rotations, root = HUMAN.relaxed()
+    back = np.radians(2.2)
+    for side in ("right", "left"):
+        for link, sign in (("upper_leg", 1.0), ("foot", -1.0)):
+            joint = INDEX[f"{side}_{link}"]
+            rotations[joint] = multiply(rotations[joint], from_rotation_vector(np.array([0.0, sign * back, 0.0])))
+    lowest = foot_points(HUMAN, rotations, root)[..., 2].min()
+    return Stand(rotations, root - np.array([0.0, 0.0, lowest]))
+
+
+STAND = _leaning()
 STANDING = Pose(STAND.rotations[:BODY], STAND.root)
 UP = np.array([0.0, 0.0, 1.0])
 

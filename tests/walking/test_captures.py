@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ahmss.body.quaternion import align
+from ahmss.body.quaternion import align, from_axis_angle, multiply
 from ahmss.errors import DataError
 from ahmss.motion.clip import ClipHeader
 from ahmss.motion.edit import part
@@ -20,9 +20,10 @@ from ahmss.walking.fitting import wanted_ends
 from ahmss.walking.library import Library, load, save
 from ahmss.walking.mirroring import mirror
 from ahmss.walking.nominal import length_of
-from ahmss.walking.recording import read
+from ahmss.walking.phases import Landing, Walk
+from ahmss.walking.recording import Recording, read
 from tests.motion.mocap import MOCAP, capture_path
-from tests.walking.performed import HUMAN, STAND, STANDING, recorded
+from tests.walking.performed import HUMAN, STAND, STANDING, UP, recorded
 from tests.walking.performed import save as save_clip
 from tests.walking.test_replanting import drift, same
 
@@ -225,6 +226,39 @@ def test_another_humans_clip_is_walked_by_this_one(tmp_path):
     (start, *_) = [one for one in found if isinstance(one, Cut) and one.clip.key.kind == "start"]
     assert start.clip.key == Key("start", 60)
     assert length_of(start.clip) < 1.1
+
+
+@pytest.mark.parametrize(("turn", "side"), [(90.0, "left"), (-60.0, "right")])
+def test_a_turn_in_walking_is_found_and_is_no_clip(turn, side):
+    """Landings every half second, the hips on a way that bends from the fourth to the seventh."""
+    landings = tuple(Landing(1 - i % 2, 30 * i - 20, 30 * i) for i in range(1, 11))
+    angle = np.radians(turn) * np.clip((np.arange(330) - 120) / 90.0, 0.0, 1.0)
+    root = np.zeros((330, 3))
+    root[:, 0], root[:, 1] = np.cumsum(np.cos(angle)) / 60.0, np.cumsum(np.sin(angle)) / 60.0
+    rotations = np.repeat(STANDING.rotations[None], 330, axis=0)
+    rotations[:, 0] = multiply(from_axis_angle(UP, angle), rotations[:, 0])
+    bears = np.ones((330, 2, 3), bool)
+    recording = Recording("a.bvh", rotations, root, bears, bears[..., 0], (Walk(landings, None, None),))
+    found = list(cuts(recording, HUMAN, STANDING))
+    (bend,) = [one for one in found if isinstance(one, Unused)]
+    assert bend.what == f"a turn in walking, {abs(turn):.0f} degrees to the {side}"
+    assert bend.first <= 120
+    assert bend.last >= 210
+    steps = [cut for cut in found if isinstance(cut, Cut)]
+    assert steps
+    assert all(cut.last < 150 or cut.first > 180 for cut in steps)
+
+
+def test_a_fallback_that_fits_already_is_taken_as_it_is(tmp_path):
+    path = save_clip(recorded(Key("one_step", 0, 0)), tmp_path / "a.npz")
+    library, _ = gather([path], HUMAN, STANDING, fallback())
+    assert library.clips[Key("one_step", 0, 90)].rotations is fallback().clips[Key("one_step", 0, 90)].rotations
+    own = fallback().clips[STRAIGHT]
+    limping = replace(own, rotations=np.roll(own.rotations, 2, axis=0))
+    other = replace(fallback(), clips={**fallback().clips, STRAIGHT: limping})
+    library, _ = gather([path], HUMAN, STANDING, other)
+    landing = wanted_ends(Key("start", 90), limping, STANDING)[1]
+    assert same(library.clips[Key("start", 90)].rotations[-1], landing.rotations) < 1e-9
 
 
 def test_real_captures_by_what_they_measure():

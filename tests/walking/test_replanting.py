@@ -113,6 +113,22 @@ def test_a_stance_in_the_middle_is_moved_as_a_whole():
     assert 0.005 < moved.mean() < 0.055
 
 
+def heading(frame) -> float:
+    ahead = rotate(frame[3:], np.array([1.0, 0.0, 0.0]))
+    return float(np.degrees(np.arctan2(ahead[1], ahead[0])))
+
+
+def test_a_foot_that_stands_in_both_end_poses_slides_rather_than_jumps():
+    """A limping step closed without its footprints made even: the right foot can't be in both places."""
+    own = raw(STRAIGHT)
+    rotations, root = with_feet(own.rotations, own.root, (0.03, 0.0), (0.0, 0.0))
+    own = replace(own, rotations=rotations, root=root)
+    planted = replanted(HUMAN, own, close_onto_mirror(own))
+    way = np.diff(points(planted)[:, 0, :, 1], axis=0)
+    assert abs(points(planted)[-1, 0, 1, 1] - points(planted)[0, 0, 1, 1]) > 0.02
+    assert np.abs(way).max() < 0.01
+
+
 def test_a_straight_step_is_closed_with_its_footprints():
     own = raw(STRAIGHT)
     ankles = feet(HUMAN, own.rotations, own.root)[..., :3]
@@ -120,7 +136,8 @@ def test_a_straight_step_is_closed_with_its_footprints():
     left = ankles[0, 1] + swing * (ankles[-1, 1] - ankles[0, 1])
     about = (ankles[10, 0], left)
     rotations, root = with_feet(own.rotations, own.root, (0.01, 0.03), (3.0, -8.0), about)
-    cut = replace(own, rotations=rotations, root=root)
+    moved = root + np.array([0.0, 0.04, 0.0])  # as a whole, to the left of the line
+    cut = replace(own, rotations=rotations, root=moved)
     assert drift(cut) < 0.001
     step = closed(HUMAN, cut)
     expected, place = mirror(step.rotations[0], step.root[0])
@@ -128,6 +145,16 @@ def test_a_straight_step_is_closed_with_its_footprints():
     np.testing.assert_allclose(step.root[-1, 1:], place[1:], atol=1e-9)
     assert step.root[0, 0] == pytest.approx(0.0, abs=1e-12)
     assert drift(step) < 0.001
+    # As wide and as turned out as the cut, half of it to each side, and the hips where they were over the feet.
+    before, after = feet(HUMAN, cut.rotations, cut.root), feet(HUMAN, step.rotations, step.root)
+    for k in (12, 20):  # the right foot lies flat
+        wide = 0.5 * (before[0, 1, 1] + before[-1, 1, 1]) - before[k, 0, 1]
+        assert -2.0 * after[k, 0, 1] == pytest.approx(wide, abs=0.004)
+        turned_out = 0.5 * (heading(before[0, 1]) + heading(before[-1, 1]) - 2.0 * heading(before[k, 0]))
+        assert -2.0 * heading(after[k, 0]) == pytest.approx(turned_out, abs=0.6)
+    assert np.ptp(step.root[:, 1] - cut.root[:, 1]) < 0.02
+    middle = 0.25 * (before[0, 1, 1] + before[-1, 1, 1] + 2.0 * before[12, 0, 1])
+    assert step.root[18, 1] == pytest.approx(cut.root[18, 1] - middle, abs=0.01)
     # It goes on as its own mirror image: the foot that landed last is where its mirror image landed first.
     places = points(step)
     ahead = np.array([step.root[-1, 0] - step.root[0, 0], 0.0, 0.0])
