@@ -16,6 +16,7 @@ from ahmss.walking.legs import foot_frames
 from ahmss.walking.library import Library
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal, clip_of, join, length_of, straights, stretched, woven
+from ahmss.walking.pacing import paced
 from ahmss.walking.selection import Selection, bins, candidates, measured, select
 from ahmss.walking.shaping import Shaped, Shaping
 from ahmss.walking.treading import Ends
@@ -120,9 +121,10 @@ def journey(
     if course.length < SPOT:  # too short a way to have a direction
         course = Course(course.points[-1:], np.array([now.heading]), 0.0)
     begin, over = float(course.heading[0]), float(course.heading[-1])
+    way = paced(course)
     d, f, mirror = bins(np.degrees(_wrapped(begin - now.heading)), np.degrees(_wrapped(facing - over)))
     lengths = measured(candidates(d, f), lambda key: scale * length_of(clip_of(library, key)))
-    chosen = select(lengths, max(course.length, 1e-4))
+    chosen = select(lengths, max(way.length, 1e-4))
     nominal = join(woven(library, d, f, chosen, mirror=mirror), scale)
     natural = len(nominal.root) - 1
     fewest, most = int(np.ceil(natural / _FASTEST)), int(natural / _SLOWEST)
@@ -132,7 +134,7 @@ def journey(
     x = nominal.root[list(nominal.seams), 0]
     one = len(x) == 2
     line = Line(
-        course, length=float(x[-1]), first=float(x[-1] if one else x[1]), last=float(x[-1] if one else x[-2]),
+        way, length=float(x[-1]), first=float(x[-1] if one else x[1]), last=float(x[-1] if one else x[-2]),
         start=chosen.start_ratio, end=chosen.end_ratio,
         turn_first=_wrapped(now.heading - begin + sign * np.radians(d)),
         turn_last=_wrapped(facing - over - sign * np.radians(f)),
@@ -174,13 +176,14 @@ def onward(
     """Go on walking along another course, which begins at `now.place` in its heading."""
     scale = standing.height / library.hip_height
     _, f, mirror = bins(0.0, np.degrees(_wrapped(facing - float(course.heading[-1]))))
-    chosen = _rest(library, scale, f, mirror, now.ahead, course.length)
+    way = paced(course)
+    chosen = _rest(library, scale, f, mirror, now.ahead, way.length)
     clips = straights(library, chosen.steps, mirror=now.ahead == "left")
     end = Key("end", 0, -f if mirror else f, chosen.stride, chosen.last)
     nominal = join([*clips, clip_of(library, end)], scale)
     x = nominal.root[list(nominal.seams), 0]
     line = Line(
-        course, length=float(x[-1]), first=0.0, last=float(x[-2]), start=1.0, end=chosen.end_ratio,
+        way, length=float(x[-1]), first=0.0, last=float(x[-2]), start=1.0, end=chosen.end_ratio,
         turn_first=_wrapped(now.heading - float(course.heading[0])),
         turn_last=_wrapped(facing - float(course.heading[-1]) - np.radians(-f if mirror else f)),
     )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course
+from ahmss.walking.pacing import Paced
 
 __all__ = ["Line"]
 
@@ -24,7 +25,7 @@ class Line:
     in the clips at its beginning and its end, radians.
     """
 
-    course: Course
+    course: Course | Paced
     length: float
     first: float
     last: float
