@@ -59,8 +59,6 @@ def paced(course: Course) -> Course | Paced:
     curvature = np.abs(np.gradient(course.heading, step))
     bent = _SLOWER * gaussian_filter1d(curvature, _SMOOTH / step, mode="nearest")
     factor = 1.0 + np.minimum(bent, 1.0 / _LEAST - 1.0)
-        _SLOWER * gaussian_filter1d(curvature, _SMOOTH / step, mode="nearest"), 1.0 / _LEAST - 1.0
-    )
     walked = np.concatenate([[0.0], np.cumsum(0.5 * step * (factor[1:] + factor[:-1]))])
     placed = CubicHermiteSpline(walked, np.linspace(0.0, course.length, len(walked)), 1.0 / factor)
     return Paced(course, float(walked[-1]), placed)
