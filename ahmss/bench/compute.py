@@ -15,19 +15,22 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ahmss.algorithm.messages import Start
 from ahmss.algorithm.place import Transform
 from ahmss.bench.meeting import meeting_site
+from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.layout import init
+from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
-from ahmss.main.command import parse
+from ahmss.main.command import Do, parse
 from ahmss.main.process import MainProcess, Setup
 from ahmss.main.script import Step
 from ahmss.world.process import ServerProcess
 from ahmss.world.schema import NewObject
 
-__all__ = ["CASES", "Rig", "compute_fps", "rig"]
+__all__ = ["CASES", "Rig", "clip_of", "compute_fps", "rig"]
 
 CASES = {
     "playback": "do thing playback frames {n}",
@@ -35,9 +38,18 @@ CASES = {
     "fusion": "do thing playback frames {n} with other slerp frames {n}",
     "object": "do thing carry frames {n}",
     "fusion_object": "do thing carry frames {n} with other slerp frames {n}",
+    "walk": "do thing walk to {far} 0",
+    "walk_fusion": "do thing walk to 0 0 with other slerp frames {n}",
+    "walk_object": "do thing stroll to {far} 0",
+    "walk_fusion_object": "do thing stroll to 0 0 with other slerp frames {n}",
 }
+"""What is carried out for each number. A walk of those that begin far away begins where the one before it has ended."""
+_AFFORDED = {"playback": "playback", "slerp": "slerp", "carry": "playback", "walk": "walk", "stroll": "walk"}
+_MOVING = ("carry", "stroll")
+_CAUGHT = 1.0  # metres from it at which a walker's hand holds the thing already: it hangs in it from the first frame on
 _HUMAN = "bench"
 _WARM, _FRAMES, _ROUNDS = 300, 1000, 5
+_PACE = 0.0195  # metres a frame that nobody walks faster than, so that a walk is long enough to be measured
 
 
 def compute_fps(workspace: Workspace) -> dict[str, float]:
@@ -60,8 +72,12 @@ class Rig:
             self._main.frame()
 
     def rate(self, line: str, frames: int = _FRAMES, rounds: int = _ROUNDS, warm: int = _WARM) -> float:
-        """Frames a second while a line is carried out; `{n}` in it is the number of frames it needs."""
-        self._begin(line.format(n=warm + rounds * frames + 1))
+        """Frames a second while a line is carried out.
+
+        `{n}` in it is the number of frames it needs, `{far}` how many metres take a walker as many.
+        """
+        needed = warm + rounds * frames + 1
+        self._begin(line.format(n=needed, far=round(_PACE * needed, 2)))
         for _ in range(warm):
             self._main.frame()
         took: list[float] = []
@@ -73,9 +89,23 @@ class Rig:
         failures = self._main.report.messages
         if failures:
             raise AhmssError(f"`{line}` can't be measured: {failures[0]}")
+        if self._main.agenda.done:
+            raise AhmssError(f"`{line}` can't be measured: it was over before {needed} frames")
         while not self._main.agenda.done:
             self._main.frame()
         return frames / statistics.median(took)
+
+    def start_of(self, line: str) -> tuple[AlgorithmEntry, Start]:
+        """The algorithm that a line starts for the human, and its START message, as the main would send it now."""
+        parsed = parse(line)
+        assert isinstance(parsed, Do)
+        main, database = self._main, self._main.database
+        order = database.order(parsed.acts[0], main.communication, main.actor)
+        return order.human_algorithm, database.start(order, "human", main.communication, main.actor, 0, main.setup.rate)
+
+    def place_of(self, name: str) -> Array:
+        """Where an object is, metres."""
+        return self._main.communication.pose(name)[:3].copy()
 
     def _begin(self, line: str) -> None:
         self._line += 1
@@ -115,7 +145,7 @@ def _crowd(main: MainProcess, objects: int) -> None:
 
 def _own_workspace(workspace: Workspace, folder: Path) -> Workspace:
     """A copy of a workspace with two kinds more, each of which affords the shipped algorithms."""
-    clips = {algorithm: _clip_of(workspace, algorithm) for algorithm in ("playback", "slerp")}
+    clips = {algorithm: clip_of(workspace, algorithm) for algorithm in ("playback", "slerp", "walk")}
     own = init(folder, workspace)
     site = meeting_site(clips["playback"], Skeleton.of())
     for kind in ("thing", "other"):
@@ -128,18 +158,20 @@ def _own_workspace(workspace: Workspace, folder: Path) -> Workspace:
 
 
 def _object_file(kind: str, site: Transform) -> str:
-    """A kind with a site and three affordances."""
+    """A kind with a site and five affordances, two of which move it with the hand."""
     lines = [f"name = {json.dumps(kind)}", "[properties]", "diameter = 0.07", "[sites.here]"]
     lines += [f"position = {site.place.tolist()}", f"orientation = {site.rotation.tolist()}"]
-    for name, algorithm in (("playback", "playback"), ("slerp", "slerp"), ("carry", "playback")):
+    for name, algorithm in _AFFORDED.items():
         lines += [f"[affordances.{name}]", f'human_algorithm = "{algorithm}"', f'motion = "{algorithm}.npz"']
-        lines += ['site = "here"']
-        if name == "carry":
+        lines += ['asks = ["goal_position"]', "frames = 0"] if algorithm == "walk" else ['site = "here"']
+        if name in _MOVING:
             lines += ['object_algorithm = "follow_hand"']
+        if name == "stroll":
+            lines += [f"parameters = {{threshold = {_CAUGHT}}}"]
     return "\n".join(lines) + "\n"
 
 
-def _clip_of(workspace: Workspace, algorithm: str) -> Path:
+def clip_of(workspace: Workspace, algorithm: str) -> Path:
     """A shipped clip that an affordance plays by an algorithm: the largest, whose targets are the most work."""
     found = [
         affordance.motion

@@ -11,12 +11,13 @@ from pathlib import Path
 
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start, encode_frame
+from ahmss.bench.compute import clip_of, rig
 from ahmss.bench.meeting import meeting_site
 from ahmss.body.inverse import grips
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
-from ahmss.errors import AhmssError, AlgorithmError, DependencyError
+from ahmss.errors import AlgorithmError, DependencyError
 
 __all__ = ["start_ms"]
 
@@ -24,12 +25,28 @@ _REPEATS = 60
 _PAUSE = 0.15  # seconds between starts, as between a person's commands
 
 
+WALKS = {
+    "walk_100m": ("do thing walk to 100 0",),
+    "walk": ("add room", "do floor walk to 2.4 2.2"),  # 3 m: past the table and the chair
+}
+"""What is carried out before, and the walk whose start is measured."""
+
+
 def start_ms(workspace: Workspace) -> dict[str, float | None]:
-    """Medians in ms: `python` (playback of a shipped clip) and `native` (the C example; None without a compiler)."""
+    """Medians in ms.
+
+    `python` (playback of a shipped clip), `native` (the C example; None without a compiler), `walk` (3 m in the room,
+    round what stands there) and `walk_100m` (over an empty floor), both planned before their first frame.
+    """
     start = _start(workspace)
     report: dict[str, float | None] = {}
     with Launcher() as launcher:
         report["python"] = _median(launcher, workspace.algorithms.find("playback"), start)
+        with rig(workspace) as one:
+            for name, lines in WALKS.items():
+                for line in lines[:-1]:
+                    one.carry_out(line)
+                report[name] = _median(launcher, *one.start_of(lines[-1]))
         with tempfile.TemporaryDirectory() as folder:
             try:
                 entry = _compile(workspace, Path(folder))
@@ -41,18 +58,16 @@ def start_ms(workspace: Workspace) -> dict[str, float | None]:
 
 
 def _start(workspace: Workspace) -> Start:
-    """START of a playback of the longest shipped clip."""
-    clips = sorted(workspace.root.glob("objectdb/*/*.npz"), key=lambda path: (path.stat().st_size, path))
-    if not clips:
-        raise AhmssError(f"{workspace.root}/objectdb: no motion clip to measure with; run scripts/make_motions.py")
+    """START of a playback of the largest shipped clip."""
+    clip = clip_of(workspace, "playback")
     skeleton = Skeleton.of()
     rotations, root = skeleton.upright()
-    x, y, z, *rotation = meeting_site(clips[-1], skeleton).row().tolist()
+    x, y, z, *rotation = meeting_site(clip, skeleton).row().tolist()
     w, i, j, k = rotation
     place = ObjectRecord(1, "thing", "thing", (x, y, z), (w, i, j, k), {"here": SiteRecord((0, 0, 0))})
     return Start(
         kind="human", human=skeleton.to_record(), pose=PoseRecord.of(rotations, root), frames=120,
-        object=place, site="here", motion=str(clips[-1]), directory=str(workspace.root),
+        object=place, site="here", motion=str(clip), directory=str(workspace.root),
     )  # fmt: skip
 
 
