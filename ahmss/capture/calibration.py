@@ -24,6 +24,7 @@ from ahmss.motion.contact import runs
 from ahmss.motion.resample import continuous
 
 __all__ = [
+    "RESTLESS",
     "Calibration",
     "calibrate",
     "heading_of_sensors",
@@ -31,17 +32,21 @@ __all__ = [
     "mean_rotation",
     "sensor_to_link",
     "spread",
-    "still_stretch",
+    "still_stretches",
     "transmitter_heading",
 ]
 
 _SENSORS = len(TRACKED)
-_UP, _AHEAD = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+_UP, _X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 _HEAD, _HANDS, _FEET = TRACKED.index("head"), [5, 11], [8, 14]
 _RIGHT, _LEFT = slice(3, 9), slice(9, 15)
 _LONG = 1.0  # seconds of standing still that are taken
 _STILL = 2.0  # degrees RMS that the sensors of one who stands still stray from their mean
-_AS_TALL = 0.1  # metres; a later stretch must be more upright than the first by this
+RESTLESS = 1.0
+"""Degrees RMS; who strays more is taken only where nobody stands stiller."""
+_AS_TALL = 0.1  # metres by which stretches may differ in height that are told apart by elbows and knees
+_STRAIGHTER = np.radians(4.0)  # of elbows and knees together: as straight
+_HINGES = np.array([[3, 4], [9, 10], [6, 7], [12, 13]])  # arms and legs
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +56,7 @@ class Calibration:
     sensor_to_link (15, 4): S_Q_L of (5.1), sensor <- link. stretch: first frame of the upright pose and the one after
     its last. stillness: how far the sensors strayed from their mean over it, degrees RMS. facing: the subject's
     heading there, radians in the world, as it was assumed. heading_seen: the same as the sensors' places tell it.
+    others: stretches in which they stood as still and as tall, and which therefore may have been meant.
     """
 
     sensor_to_link: Array
@@ -58,6 +64,7 @@ class Calibration:
     stillness: float
     facing: float
     heading_seen: float
+    others: tuple[tuple[int, int], ...] = ()
 
     @property
     def doubt(self) -> float:
@@ -83,7 +90,7 @@ def calibrate(
     Raises:
         DataError: nobody stands still in the take, or the stretch does not lie in it.
     """
-    stretch = still_stretch(take) if stretch is None else _checked(take, stretch)
+    stretch, *others = still_stretches(take) if stretch is None else [_checked(take, stretch)]
     seen = heading_of_sensors(take, stretch)
     heading = seen if facing is None else transmitter_heading(take) + facing
     links = multiply(from_axis_angle(_UP, heading), UPRIGHT_WORLD[:_SENSORS] if posture is None else posture)
@@ -94,6 +101,7 @@ def calibrate(
         stillness=float(np.degrees(spread(take.rotations[slice(*stretch)], stretch[1] - stretch[0])[0])),
         facing=heading,
         heading_seen=seen,
+        others=tuple(others),
     )
 
 
@@ -117,28 +125,43 @@ def link_rotations(sensors: Array, turns: Array) -> Array:
     return multiply(sensors, turns)
 
 
-def still_stretch(take: Take) -> tuple[int, int]:
-    """The second in which the subject stands upright and stillest: first frame and the one after the last.
+def still_stretches(take: Take) -> list[tuple[int, int]]:
+    """The seconds in which the subject may have stood upright, the likeliest first; each from a frame up to another.
 
-    People stand upright at the start or at the end of a take. Of the first and the last time that all sensors hold
-    still, the one with the head higher over feet and hands counts: who ends seated began upright.
+    Of each time that all sensors hold still the stillest second counts. Who has the head much lower over feet and hands
+    than elsewhere sits, bends or reaches. How tall the others are says little: at ease one is a few centimetres less
+    so than upright. But one's elbows and knees are bent then, and that the sensors' rotations tell: seen from one
+    stretch, those of a straighter one are bent beyond straight. Who is as straight in several is taken where they came
+    first.
 
     Raises:
         DataError: nobody stands still anywhere.
     """
     length = max(round(_LONG * take.rate), 2)
     strayed = np.degrees(spread(take.rotations, length)) if take.frames >= length else np.zeros(0)
-    still = runs(strayed < _STILL)
+    still = runs(strayed < RESTLESS) or runs(strayed < _STILL)
     if not still:
         raise DataError(
             "take", "", f"nobody stands still for {_LONG:g} s in it; stand upright and still for two seconds at the "
             "start or the end, or say where you do with --upright FROM TO"
         )  # fmt: skip
-    stretches = [first + int(strayed[first:end].argmin()) for first, end in (still[0], still[-1])]
+    firsts = [first + int(strayed[first:end].argmin()) for first, end in still]
     places = take.world_places()[..., 2]
-    heights = [_uprightness(places[first : first + length]) for first in stretches]
-    first = stretches[1] if heights[1] > heights[0] + _AS_TALL else stretches[0]
-    return first, first + length
+    heights = np.array([_uprightness(places[first : first + length]) for first in firsts])
+    tall = [(first, first + length) for first in np.array(firsts)[heights > heights.max() - _AS_TALL].tolist()]
+    bent = _bent(take, tall)
+    likeliest = next(i for i, bend in enumerate(bent) if bend < bent.min() + _STRAIGHTER)
+    return [tall[likeliest], *tall[:likeliest], *tall[likeliest + 1 :]]
+
+
+def _bent(take: Take, stretches: list[tuple[int, int]]) -> Array:
+    """By how much elbows and knees together are more bent in each stretch (n,) than in the first, radians."""
+    heading = from_axis_angle(_UP, heading_of_sensors(take, stretches[0]))
+    sensors = np.array([mean_rotation(take.world_rotations()[slice(*stretch)]) for stretch in stretches])
+    turns = sensor_to_link(sensors[0], multiply(heading, UPRIGHT_WORLD[:_SENSORS]))
+    links = link_rotations(sensors, turns)
+    along = rotate(conjugate(links[:, _HINGES[:, 0]]), rotate(links[:, _HINGES[:, 1]], _X))
+    return np.arctan2(-along[..., 2], along[..., 0]).sum(axis=-1)
 
 
 def heading_of_sensors(take: Take, stretch: tuple[int, int]) -> float:
@@ -150,7 +173,7 @@ def heading_of_sensors(take: Take, stretch: tuple[int, int]) -> float:
 
 def transmitter_heading(take: Take) -> float:
     """The heading of the transmitter's x axis in the world, radians."""
-    x, y, _ = rotate(np.array(take.header.transmitter_rotation), _AHEAD)
+    x, y, _ = rotate(np.array(take.header.transmitter_rotation), _X)
     return float(np.arctan2(y, x))
 
 

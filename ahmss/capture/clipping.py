@@ -10,7 +10,7 @@ from ahmss.body.array import Array
 from ahmss.body.links import LINKS, PARENTS
 from ahmss.body.quaternion import conjugate, multiply, normalize
 from ahmss.body.skeleton import Skeleton
-from ahmss.capture.calibration import Calibration, calibrate, link_rotations
+from ahmss.capture.calibration import RESTLESS, Calibration, calibrate, link_rotations
 from ahmss.capture.repair import Gap, Jump, fill, gaps, jumps, mend
 from ahmss.capture.smoothing import smoothed
 from ahmss.capture.stations import TRACKED
@@ -25,7 +25,6 @@ __all__ = ["Captured", "Choices", "clip_of", "joint_rotations"]
 
 _TURNED_AWAY = np.radians(15.0)  # the places of the sensors tell the heading to about 5 degrees
 _PARENTS = list(PARENTS[1 : len(TRACKED)])
-_RESTLESS = 1.0  # degrees RMS
 _MANY = 10  # lines on gaps; of more nobody reads each
 
 
@@ -59,8 +58,11 @@ class Captured:
         rate, (first, end) = self.clip.rate, self.calibration.stretch
         calibration = self.calibration
         lines = [f"stood upright {_when(first, end, rate)}, still to {calibration.stillness:.2f} degrees"]
-        if calibration.stillness > _RESTLESS:
+        if calibration.stillness > RESTLESS:
             lines.append("that is restless: stand stiller, or mark a stiller stretch with --upright FROM TO")
+        for other in calibration.others:
+            marks = " ".join(f"{frame / rate:.2f}" for frame in other)
+            lines.append(f"stood as tall {_when(*other, rate)}: was that the upright pose? then --upright {marks}")
         if abs(calibration.doubt) > _TURNED_AWAY:
             lines.append(
                 f"the left and right sensors say that the subject faced {np.degrees(calibration.doubt):+.0f} degrees "

@@ -190,6 +190,7 @@ def _figures(captured: Captured) -> dict[str, Any]:
         "frames": captured.clip.frames,
         "rate": rate,
         "upright": [frame / rate for frame in calibration.stretch],
+        "upright_others": [[frame / rate for frame in other] for other in calibration.others],
         "stillness_deg": round(calibration.stillness, 3),
         "heading_doubt_deg": round(float(np.degrees(calibration.doubt)), 2),
         "gaps": [asdict(gap) for gap in captured.gaps],

@@ -12,19 +12,25 @@ from ahmss.capture.calibration import (
     link_rotations,
     mean_rotation,
     sensor_to_link,
-    still_stretch,
+    still_stretches,
 )
+from ahmss.capture.casting import performance_of
 from ahmss.capture.config import TransmitterConfig
+from ahmss.capture.performance import Performance, begun_upright
 from ahmss.errors import DataError
 from tests.capture.taken import (
+    RATE,
+    SUBJECT,
     degrees_between,
     inverse_mounts,
     performed,
     reversed_in_time,
     standing,
     take_of,
+    turned,
     upright_links,
 )
+from tests.motion.mocap import capture_path
 
 
 def test_the_constant_turn_brings_any_sensor_to_its_link():
@@ -76,15 +82,51 @@ def test_the_sensors_places_tell_the_heading_to_a_few_degrees(facing):
 def test_upright_at_the_end_is_found_where_the_take_begins_seated():
     performance = reversed_in_time(performed("sit"))
     take, _ = take_of(performance)
-    first, end = still_stretch(take)
+    first, end = still_stretches(take)[0]
     assert performance.upright[0] <= first < end <= performance.upright[1]
 
 
 def test_upright_at_the_start_is_found_where_the_take_ends_seated():
     performance = performed("sit")
-    first, end = still_stretch(take_of(performance)[0])
+    first, end = still_stretches(take_of(performance)[0])[0]
     assert performance.upright[0] <= first < end <= performance.upright[1]
     assert end - first == 60
+
+
+@pytest.mark.parametrize("name", ["door_open", "door_close", "stand_up"])
+def test_who_hardly_moves_for_a_while_does_not_beat_who_stands_still_at_the_end(name):
+    performance = reversed_in_time(performed(name))
+    take, mounts = take_of(performance, seed=2)
+    found = calibrate(take)
+    assert performance.upright[0] <= found.stretch[0] < found.stretch[1] <= performance.upright[1]
+    assert degrees_between(found.sensor_to_link, inverse_mounts(mounts)).max() < 1e-3
+
+
+def at_ease(seconds: float = 2.0) -> Performance:
+    """Stands upright, then at ease, arms a little open and bent: all but as tall."""
+    rotations, root = SUBJECT.relaxed()
+    count = round(seconds * RATE)
+    motion = rotations[None].repeat(count, axis=0), root[None].repeat(count, axis=0)
+    return begun_upright(motion, RATE, SUBJECT, seconds, "at ease")
+
+
+@pytest.mark.parametrize("noise", ["none", "full"])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_who_stands_at_ease_before_or_after_is_told_from_who_stands_upright(backwards, noise):
+    performance = reversed_in_time(at_ease()) if backwards else at_ease()
+    upright, other = still_stretches(take_of(performance, noise=noise)[0])
+    assert performance.upright[0] - 6 <= upright[0] < upright[1] <= performance.upright[1] + 6
+    assert (other[1] <= upright[0]) == backwards
+
+
+@pytest.mark.parametrize("clip", ["A01", "A05", "B01"])  # who stand at ease for a second somewhere
+@pytest.mark.parametrize("facing", [0.0, 120.0])
+def test_real_people_upright_at_the_end(clip, facing):
+    performance = turned(reversed_in_time(performance_of(str(capture_path(clip)), SUBJECT)), facing)
+    take, mounts = take_of(performance)
+    found = calibrate(take, facing=np.radians(facing))
+    assert degrees_between(found.sensor_to_link, inverse_mounts(mounts)).max() < 0.1
+    assert len(found.others) == 1
 
 
 def test_jitter_does_not_hide_who_stands_still():
@@ -106,7 +148,7 @@ def test_nobody_stands_still():
     turn = from_rotation_vector(np.arange(take.frames)[:, None] * np.array([0.0, 0.0, 0.05]))
     take.rotations[:] = multiply(turn[:, None], take.rotations)
     with pytest.raises(DataError, match="--upright"):
-        still_stretch(take)
+        still_stretches(take)
 
 
 def test_the_posture_counts_that_the_subject_took():

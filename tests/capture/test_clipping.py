@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.capture.casting import performance_of
 from ahmss.capture.clipping import Choices, clip_of
+from ahmss.capture.performance import begun_upright
 from ahmss.capture.stations import Status
 from ahmss.errors import CommandError
 from ahmss.motion.clip import load, save
@@ -47,6 +49,16 @@ def test_what_should_be_known_is_said():
     assert "right_hand: nothing from 1.67 to 1.83 s, filled" in said
     assert "faced +4" in said.replace("+3", "+4")
     assert "faced" not in "\n".join(clip_of(take, SUBJECT, Choices(facing=np.radians(40.0))).report())
+
+
+def test_another_stretch_that_may_have_been_meant_is_named():
+    rotations, root = SUBJECT.relaxed()
+    motion = rotations[None].repeat(90, axis=0), root[None].repeat(90, axis=0)
+    said = clip_of(take_of(begun_upright(motion, 60.0, SUBJECT, 2.0, "at ease"))[0], SUBJECT).report()
+    named = [re.search(r"stood as tall from .* then --upright (\S+) (\S+)$", line) for line in said]
+    (marked,) = [[float(second) for second in match.groups()] for match in named if match]
+    assert 2.0 < marked[0] < marked[1] < 4.6
+    assert "--upright" not in "".join(clip_of(take_of(performed("sit"))[0], SUBJECT).report())
 
 
 def test_many_gaps_are_told_link_by_link():
