@@ -18,6 +18,7 @@ from ahmss.walking.trip import Ground, Trip, Walker
 
 from . import measures as m
 
+HIPS = 40.0  # m/s2, the most that the hips of who steps aside may be accelerated; real ones in turns: 38
 APART = 0.5  # metres between the hips' middles of two people that pass
 
 
@@ -103,6 +104,13 @@ def check(made: Made, goal: tuple[float, float], facing: float | None = None) ->
     soles = np.linalg.norm(np.diff(foot_points(walk.skeleton, walk.rotations, walk.root), axis=0), axis=-1)
     assert soles.min(axis=(1, 2)).max() < 0.003  # at each frame some point of some foot stands
     assert soles.max() * RATE < 8.0
+    upright(walk.root)
+
+
+def upright(root: Array) -> None:
+    """Nobody squats as they walk, nor is pulled about."""
+    assert root[:, 2].min() > 0.87 * root[0, 2]
+    assert np.linalg.norm(np.diff(root, 2, axis=0), axis=-1).max() * RATE**2 < HIPS
 
 
 def test_over_an_empty_floor_it_is_a_walk() -> None:
@@ -233,7 +241,10 @@ def both(first: tuple[float, float], second: tuple[float, float], goals: Sequenc
             else:
                 roots[i].append(root)
         assert max(map(len, roots)) < 2400, "they never arrive"
-    return [np.array(way) for way in roots]
+    made = [np.array(way) for way in roots]
+    for way in made:
+        upright(way[1:])
+    return made
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.15, -0.15, 0.4])
@@ -244,6 +255,27 @@ def test_two_who_meet_head_on_pass_each_other(aside: float) -> None:
     assert np.linalg.norm(a - b, axis=-1).min() > APART
     assert np.linalg.norm(a[-1] - [6.5, 0.0]) < 0.01
     assert np.linalg.norm(b[-1] - [0.0, aside]) < 0.01
+
+
+@pytest.mark.parametrize("x", [1.0, 1.5, 2.0, 2.6])
+def test_two_whose_ways_nearly_meet_pass_upright(x: float) -> None:
+    ways = both((-1.0, 1.5), (x, -1.5), ((-1.5, -1.8), (x + 0.3, 0.2)))
+    last = max(map(len, ways))
+    a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
+    assert np.linalg.norm(a - b, axis=-1).min() > APART
+
+
+@pytest.mark.parametrize("angle", range(-150, 180, 30))
+def test_ways_that_cross_at_any_angle(angle: int) -> None:
+    a = np.radians(angle)
+    way = np.array([np.cos(a), np.sin(a)])
+    second, goal = np.array([3.0, 0.0]) - 3.2 * way, np.array([3.0, 0.0]) + 3.0 * way
+    if angle == 0 or np.linalg.norm(second) < 1.5:
+        pytest.skip("they would begin beside each other")
+    ways = both((0.0, 0.0), tuple(second.tolist()), ((6.0, 0.0), tuple(goal.tolist())))
+    last = max(map(len, ways))
+    one, other = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
+    assert np.linalg.norm(one - other, axis=-1).min() > APART
 
 
 def test_two_whose_ways_cross_do_not_run_into_each_other() -> None:
