@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 from ahmss.body.skeleton import Skeleton
 from ahmss.walking.catalogue import MIXED, STRAIGHT, TABLE, Key
-from ahmss.walking.fitting import Pose, close_onto_mirror, fit_ends, wanted_ends
+from ahmss.walking.fitting import Pose, close_onto_mirror, close_speeds, fit_ends, fit_speeds, wanted_ends, wanted_speeds
 from ahmss.walking.gait import GAIT, Gait
 from ahmss.walking.library import BODY, RATE, Library, WalkClip
 from ahmss.walking.performer import Performed, Stand, perform
@@ -30,13 +30,14 @@ def build(
         progress: is told how many are done, of how many.
     """
     planner = Planner(skeleton, stand, gait)
-    straight = close_onto_mirror(_performed(skeleton, stand, gait, planner, STRAIGHT))
+    straight = close_speeds(close_onto_mirror(_performed(skeleton, stand, gait, planner, STRAIGHT)))
     wanted = [key for key in keys if key != STRAIGHT]
     standing = Pose(stand.rotations[:BODY], stand.root)
     clips = {STRAIGHT: straight}
     for number, key in enumerate(wanted):
         raw = _performed(skeleton, stand, gait, planner, key)
-        clips[key] = replanted(skeleton, raw, fit_ends(raw, *wanted_ends(key, straight, standing)))
+        fitted = fit_speeds(fit_ends(raw, *wanted_ends(key, straight, standing)), *wanted_speeds(key, straight))
+        clips[key] = replanted(skeleton, raw, fitted)
         if progress is not None:
             progress(number + 1, len(wanted))
     return Library(skeleton.name, float(stand.root[2]), clips)
