@@ -12,7 +12,7 @@ from ahmss.walking.pacing import Paced
 
 __all__ = ["Line"]
 
-_STEEPEST = 0.25  # of its length that a part of the way keeps at least where all of it is shrunk
+_STEEPEST = 0.2  # of its length that a part of the way keeps at least where all of it is shrunk
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Line:
 
     course: the line. length: nominal, in all. first, last: where on the nominal line the start is over and the end
     begins, metres; who walks already has no start, and one clip alone is all start. start, end: by which those two are
-    shrunk. turn_first, turn_last: how much the body is turned more than
-    in the clips at its beginning and its end, radians.
+    shrunk. turn_first, turn_last: how much the body is turned more than in the clips at its beginning and its end,
+    radians.
     """
 
     course: Course | Paced
@@ -45,7 +45,7 @@ class Line:
         s, ratio = middle + (x - self.first), np.ones(np.shape(x))
         if self.first > 0.0:
             way, slope = _shrunk((self.first - x) / self.first, self.start)
-            before = x < self.first
+            before = x <= self.first
             s, ratio = np.where(before, middle - self.first * way, s), np.where(before, slope, ratio)
         part = self.length - self.last
         way, slope = _shrunk((x - self.last) / part, self.end)
@@ -55,12 +55,18 @@ class Line:
 
 
 def _shrunk(u: Array, ratio: float) -> tuple[Array, Array]:
-    """The way (...) done at shares u of a part, of `ratio` in all; outside it goes on as at its end."""
-    lost = 1.0 - ratio
-    mixed = float(np.clip((1.0 - _STEEPEST) / lost - 1.0, 0.0, 1.0)) if lost > 1e-9 else 1.0
+    """The way (...) done at shares u of a part, of `ratio` in all; outside it goes on as at its end.
+
+    It begins unshrunk and ends as shrunk as it must, the sooner the more is to be lost.
+    """
+    end = 2.0 * ratio - 1.0
+    over = 1.0  # the share by which it is as shrunk as at the end
+    if end < _STEEPEST:
+        end = min(_STEEPEST, 0.5 * ratio)
+        over = 2.0 * (ratio - end) / (1.0 - end)
     inside = np.clip(u, 0.0, 1.0)
-    square = inside * inside
-    eased = square * inside * (2.0 - inside)
-    slope = 1.0 - lost * ((1.0 - mixed) + mixed * 2.0 * square * (3.0 - 2.0 * inside))
-    way = inside - lost * ((1.0 - mixed) * inside + mixed * eased)
+    v = np.minimum(inside / over, 1.0)
+    square = v * v
+    slope = 1.0 - (1.0 - end) * square * (3.0 - 2.0 * v)
+    way = inside - (1.0 - end) * (over * square * v * (1.0 - 0.5 * v) + np.maximum(inside - over, 0.0))
     return way + (u - inside) * slope, slope
