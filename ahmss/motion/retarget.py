@@ -23,6 +23,7 @@ __all__ = ["arm_length", "hand_places", "leg_length", "own_arm_length", "own_leg
 
 _UP = np.array([0.0, 0.0, 1.0])
 _SLACK = 0.015  # metres that a hand may be off for its elbow's sake
+_OFF = 0.032  # metres that a hand may be nearer or farther in all; half of it is for its elbow's sake
 _BEYOND = 0.016  # metres that a hand may be beyond reach; the arm then only points at it
 _MOST_SHIFT, _STEPS = 0.03, 60  # metres by which shoulders may be shifted for that
 _SOFT = 0.03  # metres over which the scale across the body changes at the shoulder
@@ -119,9 +120,10 @@ def hand_places(body: BodyMotion, skeleton: Skeleton, rotations: Array, root: Ar
     trunk = conjugate(body.rotations[:, None, _SPINE])
     neck = body.places[:, None, _HEAD]
     hands = rotate(trunk, body.places[:, _HANDS] - neck)
-    shoulders = _pivots(body, hands, np.median(rotate(trunk, body.places[:, _SHOULDERS] - neck), axis=0))
+    reach = arm_length(body)
+    scale = own_arm_length(skeleton) / reach
+    shoulders = _pivots(hands, rotate(trunk, body.places[:, _SHOULDERS] - neck), reach, _OFF / scale)
     hands = hands - shoulders
-    scale = own_arm_length(skeleton) / arm_length(body)
     half, own_half = float(np.ptp(shoulders[:, 1])) / 2.0, float(np.ptp(skeleton.offsets[_SHOULDERS, 1])) / 2.0
     outward = np.array([-1.0, 1.0])
     placed = scale * hands
@@ -142,23 +144,29 @@ def _with_elbows_kept(placed: Array, given: Array) -> Array:
     return placed * (kept / np.maximum(far, 1e-9))[..., None]
 
 
-def _pivots(body: BodyMotion, hands: Array, usual: Array) -> Array:
-    """Where on the trunk shoulders (2, 3) are taken to be: as a rule, but so that no hand is farther than arms reach.
+def _pivots(hands: Array, shoulders: Array, reach: float, off: float) -> Array:
+    """Where on the trunk the shoulders (2, 3) are taken to be: in the middle of their places, as a rule.
+
+    Where a hand would then in some frame, such as before the first step, be much nearer or farther than it was from
+    the shoulder that moved, or beyond reach, the place is shifted, by no more than that takes.
 
     Args:
-        body: the motion.
         hands: (F, 2, 3) from the neck, in the trunk's axes, metres.
-        usual: (2, 3) the shoulders' middle places, likewise.
+        shoulders: (F, 2, 3) likewise.
+        reach: how far an arm reaches, metres.
+        off: by how much hands may be nearer or farther than they were, metres.
     """
-    reach, pivots = arm_length(body) + _BEYOND, usual.copy()
+    given, usual = np.linalg.norm(hands - shoulders, axis=-1), np.median(shoulders, axis=0)
+    pivots, least, most = usual.copy(), given - off, np.minimum(given + off, reach + _BEYOND)
     for side in range(2):
         for _ in range(_STEPS):
             ways = hands[:, side] - pivots[side]
             far = np.linalg.norm(ways, axis=-1)
-            worst = int(far.argmax())
-            if far[worst] <= reach or np.linalg.norm(pivots[side] - usual[side]) > _MOST_SHIFT:
+            beyond = np.maximum(far - most[:, side], 0.0) + np.minimum(far - least[:, side], 0.0)
+            worst = int(np.abs(beyond).argmax())
+            if beyond[worst] == 0.0 or np.linalg.norm(pivots[side] - usual[side]) > _MOST_SHIFT:
                 break
-            pivots[side] += 0.5 * (far[worst] - reach) * ways[worst] / far[worst]
+            pivots[side] += 0.5 * beyond[worst] * ways[worst] / far[worst]
     return pivots
 
 
