@@ -9,6 +9,7 @@ a simulated tracker, a driver, the calibration and tables beside the clips (moti
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from pathlib import Path
@@ -37,7 +38,11 @@ def make(workspace: Workspace) -> dict[str, Clip]:
 
 def main() -> int:
     """Write the clips, or check those that there are."""
-    check = sys.argv[1:] == ["--check"]
+    parser = argparse.ArgumentParser(
+        description="Make the motion clips in objectdb/ and humandb/ and write them, the same bytes every time."
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing; exit with 1 where a file differs")
+    check: bool = parser.parse_args().check
     differing: list[str] = []
     for path, clip in make(Workspace(ROOT)).items():
         file = ROOT / path
