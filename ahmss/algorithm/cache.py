@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ahmss.motion import clip as clips
 from ahmss.walking import library as libraries
 
-__all__ = ["clip", "code", "library", "resampled", "touch"]
+__all__ = ["clip", "code", "known_libraries", "library", "resampled", "touch"]
 
 K = TypeVar("K")
 T = TypeVar("T")
@@ -86,6 +86,11 @@ def library(path: str) -> libraries.Library | None:
         _freeze(walk.rotations, walk.root, walk.bearing)
     _remember(_libraries, path, (stamp, loaded))
     return loaded
+
+
+def known_libraries() -> list[libraries.Library]:
+    """The walk libraries that have been read."""
+    return [loaded for _, loaded in _libraries.values() if loaded is not None]
 
 
 def code(path: str) -> CodeType:

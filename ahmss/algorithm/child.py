@@ -46,12 +46,14 @@ class Request(msgspec.Struct, frozen=True):
     """What the pool is asked to run: a Python file, its arguments, the folder to run it in.
 
     clips: those that it will want; frames: how many it was asked for, so that the clips can be resampled ahead.
+    ahead: nothing is run, but the pool reads all that ahead as if it had been.
     """
 
     argv: tuple[str, ...]
     directory: str
     clips: tuple[str, ...] = ()
     frames: int = 0
+    ahead: bool = False
 
 
 class Spawned:

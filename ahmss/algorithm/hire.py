@@ -33,6 +33,7 @@ class Pool:
             raise AlgorithmError("this system has no pidfd or no SOCK_SEQPACKET")
         self.meeting = meeting or Meeting(private_directory(), code_stamp())
         self._linger = linger
+        self._errands: list[socket.socket] = []
         self._use = self.meeting.use()
         try:
             self.connect().close()
@@ -57,9 +58,22 @@ class Pool:
         finally:
             os.close(lock)
 
+    def send(self, data: bytes) -> None:
+        """Send a request that needs no answer and no pipes.
+
+        Raises:
+            OSError: as `connect`.
+        """
+        connection = self.connect()
+        self._errands.append(connection)  # open until the end: a worker gives up a request that nobody waits for
+        with open(os.devnull, "r+b", buffering=0) as nowhere:
+            socket.send_fds(connection, [data], [nowhere.fileno()] * 3)
+
     def close(self) -> None:
         """No longer in use by this main."""
         os.close(self._use)
+        for connection in self._errands:
+            connection.close()
 
     def _connect(self) -> socket.socket:
         """A connection to the socket as it is."""

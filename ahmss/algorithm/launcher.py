@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import select
 import sys
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol
+
+import msgspec
 
 from ahmss.algorithm.child import Child, Hired, Request, Spawned
 from ahmss.algorithm.hire import Pool
@@ -101,6 +104,17 @@ class Launcher:
         self._processes.append(process)
         return process
 
+    def prepare(self, entry: Entry, motion: Path) -> None:
+        """Have the pool read a Python algorithm and its motion data, so that its first start is as quick as the others.
+
+        What can't be read is told when it is started.
+        """
+        script = _script(entry)
+        if self._pool is not None and script is not None:
+            request = Request(script, str(entry.directory), (str(motion),), ahead=True)
+            with contextlib.suppress(OSError, AhmssError):
+                self._pool.send(msgspec.json.encode(request))
+
     def wait(self, processes: Iterable[AlgorithmProcess], timeout: float) -> bool:
         """Wait until none of these owes a frame, at most `timeout` seconds; True if so. Logs are read meanwhile."""
         processes = [process for process in processes if process.pending]
@@ -140,11 +154,9 @@ class Launcher:
 
     def _child(self, entry: Entry, start: Start, pipes: Pipes) -> Child:
         """A process for the entry, from the pool if it is Python."""
-        argv, directory = entry.argv, entry.directory
-        if argv[0] != "python" and not argv[0].endswith(".py"):
-            return Spawned(argv, directory, pipes)
-        script = argv[1:] if argv[0] == "python" else argv
-        script = (str((directory / script[0]).absolute()), *script[1:])
+        directory, script = entry.directory, _script(entry)
+        if script is None:
+            return Spawned(entry.argv, directory, pipes)
 
         def alone(reason: str) -> Spawned:
             self._without_pool(reason)
@@ -164,6 +176,15 @@ class Launcher:
         if self._notice is not None:
             self._notice(f"Python algorithms start more slowly, because the pool can't be used: {reason}")
             self._notice = None
+
+
+def _script(entry: Entry) -> tuple[str, ...] | None:
+    """The Python file of an entry, with its arguments; None if it is no Python algorithm."""
+    argv = entry.argv
+    if argv[0] != "python" and not argv[0].endswith(".py"):
+        return None
+    script = argv[1:] if argv[0] == "python" else argv
+    return str((entry.directory / script[0]).absolute()), *script[1:]
 
 
 def _interpreter(script: tuple[str, ...], directory: Path, pipes: Pipes) -> Spawned:

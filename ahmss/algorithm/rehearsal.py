@@ -6,6 +6,7 @@ counts). Copying them costs milliseconds, which are spent here and not at the st
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterator
 
@@ -34,10 +35,12 @@ from ahmss.body import quaternion
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip
+from ahmss.walking.library import Library
 
 __all__ = ["rehearse"]
 
 _FRAMES = 3
+_BOX, _BEHIND = np.array([[1.0, -0.4], [1.6, -0.4], [1.6, 0.5], [1.0, 0.5]]), np.array([2.6, 0.1])
 _SKELETON = Skeleton.of()
 _UPRIGHT = _SKELETON.upright()
 _CLIP = Clip(
@@ -68,6 +71,8 @@ def rehearse() -> None:
     """Play the motion in each of the ways that algorithms make theirs, over pipes of its own."""
     for function in (_single, _block, _staged):
         _play(function)
+    for library in cache.known_libraries():
+        _walk(library)
     msgspec.json.decode(_REQUEST, type=Request)
     cache.touch()
 
@@ -109,3 +114,11 @@ def _staged(task: HumanTask) -> Iterator[Array]:
             targets[:, 0, :7] = np.where(given, staged.base.then(local).row(), 0.0)
         targets[:, 4, :3] = face(task, staged.rotations, staged.root).place
         yield task.block(staged.rotations[1:], staged.root[1:], staged.clip.importance[1:], targets[1:])
+
+
+def _walk(library: Library) -> None:
+    """The first step of a walk round a thing; with a library that lacks clips it may be none."""
+    from ahmss.walking.trip import Ground, Trip  # it brings shapely, which only who walks needs
+
+    with contextlib.suppress(Exception):
+        next(Trip(_SKELETON, library, Ground([_BOX], ["box"]), _BEHIND, 0.0).pieces(*_UPRIGHT))

@@ -72,6 +72,8 @@ def serve(listener: socket.socket, pool: socket.socket) -> NoReturn:
             with contextlib.suppress(OSError, msgspec.MsgspecError, ValueError):
                 taken = _take(listener, pool, own)
                 if taken is not None:
+                    if taken.ahead:
+                        os._exit(0)  # the pool has been told what it is to read
                     events.close()
                     os.closerange(3, 1 << 16)
                     become(taken.argv, taken.directory)

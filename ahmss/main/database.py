@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -82,6 +84,18 @@ class Database:
                 f"{self.workspace.root}/humandb: no human there; `ahmss init DIR` lays out a workspace"
             )
         return self.workspace.humans.get(body or (name if name in names else names[0]))
+
+    def walks(self) -> list[tuple[AlgorithmEntry, Path]]:
+        """The algorithms of motions that say themselves when they are over, and the motion data of these."""
+        found: dict[Path, AlgorithmEntry] = {}
+        for name in self.workspace.objects.names():
+            with contextlib.suppress(AhmssError):  # a broken file hides its own kind only; who names it is told
+                kind = self.workspace.objects.get(name)
+                for affordance in kind.affordances.values():
+                    if affordance.frames == 0 and affordance.motion is not None:
+                        entry = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
+                        found[affordance.motion] = entry
+        return [(entry, motion) for motion, entry in found.items()]
 
     def order(self, act: Act, scene: Scene, actor: Actor) -> Order:
         """Resolve an act: its object, the action that it affords, the algorithms, the goal.

@@ -103,8 +103,11 @@ class MainProcess:
             self._client.close()
             raise
         self.blending = Blending(model.skeleton, rotations, root, setup.rate)
+        launcher = Launcher(deadlines=deadlines, notice=say)
+        for entry, motion in self.database.walks():  # a library takes longer to read than a motion may take to start
+            launcher.prepare(entry, motion)
         self.control = Control(
-            self.database, self.communication, Launcher(deadlines=deadlines, notice=say), self.trouble,
+            self.database, self.communication, launcher, self.trouble,
             self.note, lambda: self.actor, rate=setup.rate, seed=setup.seed,
         )  # fmt: skip
         self.agenda = Agenda(self, setup)

@@ -138,6 +138,19 @@ def test_a_walk_library_reaches_the_algorithm(warm_launcher, make_start, tmp_pat
         assert facts(warm_launcher, process)["walk"] == ["straight"]
 
 
+def test_what_is_prepared_is_read_ahead_and_not_run(own_pool, make_start, tmp_path):
+    (tmp_path / "walks.py").write_text("import shapely\nopen('it-ran', 'w').close()\n")
+    save_library(Library("tester", 0.9, {STRAIGHT: walk_clip()}), tmp_path / "walk.npz")
+    with launcher_of(own_pool) as launcher:
+        assert not facts(launcher, launcher.start(tells(), make_start()))["shapely"]
+        launcher.prepare(Entry("walks", ("python", "walks.py"), tmp_path), tmp_path / "walk.npz")
+        assert wait_for(lambda: facts(launcher, launcher.start(tells(), make_start()))["shapely"])
+        launcher.prepare(Entry("native", ("nod",), tmp_path), tmp_path / "walk.npz")  # of which nothing can be read
+        launcher.prepare(Entry("gone", ("python", "gone.py"), tmp_path), tmp_path / "gone.npz")
+        assert facts(launcher, launcher.start(tells(), make_start()))["pid"]
+    assert not (tmp_path / "it-ran").exists()
+
+
 def test_notes_come_before_the_pose_the_end_and_the_error(warm_launcher, make_start, tmp_path):
     (tmp_path / "says.py").write_text(
         "from ahmss.algorithm import run\ndef says(task):\n    task.note('one')\n    yield task.pose({})\n"

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import messages
+from ahmss.database.layout import init
+from ahmss.database.workspace import Workspace
 from ahmss.main.command import Do, parse
+from ahmss.main.database import Database
 from ahmss.main.process import MainProcess
 from ahmss.world.process import ServerProcess
 from tests.main.ground import steps
@@ -66,3 +69,11 @@ def test_what_is_in_the_hand_occupies_nothing(ken: MainProcess, workspace: Path)
     assert start.goal.object is not None
     assert start.object.footprint
     assert start.goal.object.footprint == start.world[0].footprint == []
+
+
+def test_the_walks_of_a_workspace_are_known_before_one_is_asked_for(tmp_path: Path) -> None:
+    own = init(tmp_path / "own", Workspace.find())
+    (tmp_path / "own/objectdb/lamp/object.toml").write_text("name = 3")  # hides nothing but itself
+    ((entry, motion),) = Database(own).walks()
+    assert entry.name == "walk"
+    assert motion == tmp_path / "own/objectdb/floor/walk.npz"

@@ -20,6 +20,7 @@ def tells(task: HumanTask):
         "clip": task.motion.frames if library is None and task.motion else 0,
         "walk": [key.name for key in library.clips] if library else [],
         "zmq": "zmq" in sys.modules,
+        "shapely": "shapely" in sys.modules,
     }
     print(json.dumps(facts), flush=True)
     for k in task.frames():
