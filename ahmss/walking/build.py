@@ -6,7 +6,15 @@ from collections.abc import Callable, Iterable
 
 from ahmss.body.skeleton import Skeleton
 from ahmss.walking.catalogue import MIXED, STRAIGHT, TABLE, Key
-from ahmss.walking.fitting import Pose, close_onto_mirror, close_speeds, fit_ends, fit_speeds, wanted_ends, wanted_speeds
+from ahmss.walking.fitting import (
+    Pose,
+    close_onto_mirror,
+    close_speeds,
+    fit_ends,
+    fit_speeds,
+    wanted_ends,
+    wanted_speeds,
+)
 from ahmss.walking.gait import GAIT, Gait
 from ahmss.walking.library import BODY, RATE, Library, WalkClip
 from ahmss.walking.performer import Performed, Stand, perform

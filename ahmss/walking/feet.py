@@ -24,11 +24,10 @@ __all__ = ["FootTracks", "tracks"]
 _UP, _LEFT = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 _HEEL, _BALL, _TOE = 0, 1, 2
 _ROUND = 0.16  # sine of the pitch over which the lowest point of the swinging sole passes from toe to heel
-_STARTING = 4.0  # how hard a foot that pushes off is drawn after the body
-_SLOWING = 6.0  # how hard a striking foot is still slowing down as it lands; at rest before, it would wait in the air
+_STARTING = 5.0  # how hard a foot that pushes off is drawn after the body
+_SLOWING = 5.0  # how hard a striking foot is still slowing down as it lands; at rest before, it would wait in the air
 _FLAT = 1e-9  # radians
 _TOUCHING = 2e-4  # metres
-_PIVOT_PITCH, _PIVOT_TIME = np.radians(14.0), 0.14  # heel up, and the seconds before and after
 
 
 @dataclass(frozen=True)
@@ -42,15 +41,13 @@ class FootTracks:
 
 @dataclass
 class _Stance:
-    """A foot on the ground. place: of the ankle with the foot flat; turn: what it pivots on its toe, when."""
+    """A foot on the ground. place: of the ankle with the foot flat."""
 
     place: Frame
     land: float
     lift: float
     strike: float
     push: float
-    turn: float = 0.0
-    turning: tuple[float, float] = (0.0, 0.0)
 
 
 def tracks(skeleton: Skeleton, gait: Gait, plan: Footsteps, times: Array) -> FootTracks:
@@ -93,8 +90,6 @@ def _stances(plan: Footsteps, foot: int) -> list[_Stance]:
         if step.foot == foot:
             out[-1].lift, out[-1].push = step.lift, step.push
             out.append(_Stance(step.landing, step.land, np.inf, step.strike, 0.0))
-        elif step.pivot:
-            out[-1].turn, out[-1].turning = step.pivot, (step.lift, step.land)
     return out
 
 
@@ -109,15 +104,7 @@ def _angles(gait: Gait, stances: list[_Stance], steps: list[Step], times: Array)
         knots = (step.lift - rising, step.lift + gait.peak * swing, step.land, step.land + flat)
         for begin, end, by in zip(knots, knots[1:], (down, up - down, -up), strict=False):
             pitch += by * minimum_jerk((times - begin) / (end - begin))
-        turned = before.place.heading + before.turn
-        yaw += (after.place.heading - turned) * minimum_jerk((times - step.lift) / swing)
-    for stance in stances:
-        if stance.turn:
-            begin, end = stance.turning
-            raised = minimum_jerk((times - begin + _PIVOT_TIME) / _PIVOT_TIME)
-            lowered = minimum_jerk((times - end) / _PIVOT_TIME)
-            pitch -= _PIVOT_PITCH * (raised - lowered)
-            yaw += stance.turn * minimum_jerk((times - begin) / (end - begin))
+        yaw += (after.place.heading - before.place.heading) * minimum_jerk((times - step.lift) / swing)
     return pitch, yaw
 
 
@@ -149,7 +136,8 @@ def _swung(
     local_end = _turned(end[:2] - origin, -(step.body - since))
     way = local_end - start[:2] + origin
     leaving = acceleration[:2] * swing**2 + _STARTING * step.push * way
-    level = _quintic(start[:2] - origin, velocity[:2] * swing, leaving, local_end, -_SLOWING * step.strike * way, u)
+    slowing = -_SLOWING * step.strike * way
+    level = _quintic(start[:2] - origin, velocity[:2] * swing, leaving, local_end, slowing, u)
     out = np.empty((len(times), 3))
     out[:, :2] = origin + _turned(level, turn)
     # The lowest point of the sole is as high as the bump says: toe or heel, passing smoothly between.
@@ -169,7 +157,7 @@ def _leaving(gait: Gait, soles: Array, step: Step, before: _Stance) -> tuple[Arr
     times = step.lift + h * np.array([-1.0, 0.0, 1.0])
     stances = [before, _Stance(step.landing, step.land, np.inf, step.strike, 0.0)]
     pitch, _ = _angles(gait, stances, [step], times)
-    yaw = np.full(3, before.place.heading + before.turn)
+    yaw = np.full(3, before.place.heading)
     ankle = _rolled(soles, before, pitch, yaw)
     return ankle[1], (ankle[2] - ankle[0]) / (2.0 * h), (ankle[2] - 2.0 * ankle[1] + ankle[0]) / h**2
 

@@ -29,11 +29,6 @@ class Frame:
             float(self.x + cos * ahead - sin * left), float(self.y + sin * ahead + cos * left), self.heading + turn
         )
 
-    def pivoted(self, ahead: float, turn: float) -> Frame:
-        """The frame turned about the point so far ahead of it."""
-        point = self.then(ahead, 0.0)
-        return Frame(point.x, point.y, self.heading + turn).then(-ahead, 0.0)
-
     @property
     def place(self) -> Array:
         """(2,)."""
@@ -46,7 +41,6 @@ class Step:
 
     foot: RIGHT or LEFT. landing: the ankle's place and the foot's heading. lift, land: seconds. body: the body's
     heading once it has landed. push, strike: how much of a full step's push-off and heel strike there is, 0 to 1.
-    pivot: radians that the other foot turns on its toe meanwhile.
     """
 
     foot: int
@@ -56,7 +50,6 @@ class Step:
     body: float
     push: float = 0.0
     strike: float = 0.0
-    pivot: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -23,32 +23,34 @@ class Gait:
     """
 
     step: float = 0.74
-    frames: int = 35
-    both: int = 8
+    frames: int = 33
+    both: int = 7
     width: float = 0.095
     toe_out: float = 5.0
 
-    push: float = 48.0
-    strike: float = 21.0
-    push_time: float = 0.22
+    push: float = 53.0
+    strike: float = 20.0
+    push_time: float = 0.205
     flat_time: float = 0.16
-    peak: float = 0.16  # of the swing, after lift-off: when the foot points down most
+    peak: float = 0.15  # of the swing, after lift-off: when the foot points down most
     clearance: float = 0.012  # metres
 
-    sink: float = 0.023
+    sink: float = 0.026
     bob: float = 0.018
-    low: float = 0.0  # of the step, after a foot has landed: when the pelvis is lowest
+    low: float = -0.05  # of the step, after a foot has landed: when the pelvis is lowest
     turn: float = 5.5
     list: float = 4.3
     tilt: float = 1.0
+    nod: float = 1.2  # degrees by which the pelvis tilts to and fro, twice a cycle
+    nod_at: float = 0.2  # of the step: when it leans furthest ahead
 
     sway: float = 4.6  # 1/s: how closely the hips follow the foot that bears
-    even: float = 3.4  # the same along the way
-    roll: tuple[float, float] = (-0.01, 0.20)  # where under the foot the weight goes from and to, shares of hip height
+    even: float = 3.7  # the same along the way
+    roll: tuple[float, float] = (-0.015, 0.195)  # where under the foot the weight goes from and to, shares of hip height
 
     arm: float = 23.5
     arm_rest: float = 1.0
-    arm_lag: float = 0.05  # seconds
+    arm_lag: float = -0.05  # seconds after the feet; before them
     elbow: float = 10.0
     trunk: float = 1.75  # how much the chest turns back against the pelvis
     lean: float = 1.6  # degrees of trunk for 1 m/s2 of the hips

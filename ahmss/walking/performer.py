@@ -61,10 +61,11 @@ def perform(skeleton: Skeleton, stand: Stand, plan: Footsteps, gait: Gait = GAIT
     share, size = _weight(plan, times), _size(plan, times)
     ahead = _ahead(feet, body) / (gait.step * float(stand.root[2]))
     level = _level(skeleton, stand, gait, plan, times, share, body)
-    hips = _hips(gait, body, ahead, share, size)
+    phase = _phase(gait, plan, times)
+    hips = _hips(gait, body, ahead, share, size, phase)
     root = np.empty((len(times), 3))
     root[:, :2] = level
-    root[:, 2] = stand.root[2] * (1.0 - _sinking(gait, plan, times, size))
+    root[:, 2] = stand.root[2] * (1.0 - _sinking(gait, phase, size))
     root[:, 2] -= _too_high(skeleton, hips, root, feet)
     rotations = np.repeat(stand.rotations[None, :BODY], len(times), axis=0)
     rotations[:, 0] = multiply(hips, stand.rotations[0])
@@ -126,7 +127,6 @@ def _level(
     push = np.zeros((len(times), 2))
     for foot, weight in ((0, share), (1, 1.0 - share)):
         rolled, place, heading = _under(gait, plan, foot, times, resting, scale)
-        _pivoted(place, heading, plan, foot, times, float(skeleton.soles[2, 0]))
         push += weight[:, None] * (place + rolled[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=-1))
     # Along the body's heading people go more evenly than a pendulum, for they push off and roll over their feet.
     weight, even = pendulum(push, gait.sway, RATE), pendulum(push, gait.even, RATE)
@@ -174,36 +174,29 @@ def _under(
     return rolled, place, heading
 
 
-def _pivoted(place: Array, heading: Array, plan: Footsteps, foot: int, times: Array, toe: float) -> None:
-    """Turn a foot's places (F, 2) and headings (F,) about its toe where it pivots."""
-    for step in plan.steps:
-        if step.foot != foot and step.pivot:
-            own = [one.lift for one in plan.steps if one.foot == foot and one.lift > step.lift]
-            now = (times >= step.lift) & (times < (own[0] + 0.2 if own else np.inf))
-            turn = step.pivot * minimum_jerk((times[now] - step.lift) / (step.land - step.lift))
-            point = place[now] + toe * np.stack([np.cos(heading[now]), np.sin(heading[now])], axis=-1)
-            heading[now] += turn
-            place[now] = point - toe * np.stack([np.cos(heading[now]), np.sin(heading[now])], axis=-1)
-
-
-def _hips(gait: Gait, body: Array, ahead: Array, share: Array, size: Array) -> Array:
+def _hips(gait: Gait, body: Array, ahead: Array, share: Array, size: Array, phase: Array) -> Array:
     """The hips' rotations (F, 4) against standing: the side of the leg ahead goes ahead, the other drops."""
     turn = np.radians(gait.turn) * _smooth(ahead, 0.075)
     leading = np.roll(share, -5)
     leading[-5:] = share[-1]
     side = np.radians(gait.list) * size * _smooth(2.0 * leading - 1.0, 0.06)
     q = multiply(from_axis_angle(_Z, body + turn), from_axis_angle(_X, -side))
-    return multiply(q, from_axis_angle(_Y, np.radians(gait.tilt) * size))
+    tilt = gait.tilt + gait.nod * _smooth(np.cos(2.0 * np.pi * (phase - gait.nod_at)), 0.03)
+    return multiply(q, from_axis_angle(_Y, np.radians(tilt) * size))
 
 
-def _sinking(gait: Gait, plan: Footsteps, times: Array, size: Array) -> Array:
-    """How far the hips are below standing (F,), as a share of their height."""
+def _phase(gait: Gait, plan: Footsteps, times: Array) -> Array:
+    """How many steps have been made (F,): a whole number at each landing."""
     lands = np.array([step.land for step in plan.steps])
     if not len(lands):
         return np.zeros(len(times))
     spacing = gait.frames / RATE
     knots = np.concatenate([lands[:1] - spacing * np.arange(4, 0, -1), lands, lands[-1:] + spacing * np.arange(1, 5)])
-    phase = np.interp(times, knots, np.arange(len(knots)))
+    return np.interp(times, knots, np.arange(len(knots)))
+
+
+def _sinking(gait: Gait, phase: Array, size: Array) -> Array:
+    """How far the hips are below standing (F,), as a share of their height."""
     bob = _smooth(np.cos(2.0 * np.pi * (phase - gait.low)), 0.03)
     return size * (gait.sink + gait.bob * bob)
 
@@ -236,8 +229,7 @@ def _upper_body(
     looking = from_axis_angle(_Z, body + np.clip(_angle(looking) - body, -0.45, 0.45))
     q_head = multiply(looking, multiply(stand.rotations[0], multiply(stand.rotations[1], stand.rotations[2])))
     rotations[:, 2] = multiply(conjugate(q_spine), q_head)
-    lag = round(gait.arm_lag * RATE)
-    late = np.concatenate([np.repeat(swing[:1], lag), swing[: len(swing) - lag]]) if lag else swing
+    late = np.interp(times - gait.arm_lag, times, swing)
     for side, sign in (("right", -1.0), ("left", 1.0)):
         forward_by = np.radians(gait.arm) * sign * late
         bend = np.radians(gait.elbow) * (sign * late + np.abs(late)) * 0.5 + np.radians(4.0) * sign * late

@@ -97,6 +97,7 @@ class Tread:
     ) -> None:
         self._soles = skeleton.soles * (1.0, 1.0 if foot == 0 else -1.0, 1.0)
         self._seen, self._line, self._ends, self._foot, self._turn = seen, line, ends, foot, turn
+        self._along = nominal.root[:, 0]
         frames = len(nominal.root)
         bears: NDArray[np.bool_] = nominal.bearing[:, foot].any(axis=-1)  # pyright: ignore[reportAssignmentType]
         spans = runs(bears)
@@ -153,12 +154,18 @@ class Tread:
             self._fixed = end
 
     def _place(self, new: slice) -> None:
-        """Where the foot shall stand: along and across the line; first and last where it is and shall be."""
+        """Where the foot shall stand: as it stands about the hips when they pass, and these are along the line.
+
+        So the way shrinks and the stance does not. First and last it is where it is and shall be.
+        """
         stances, foot = self._stances, self._foot
-        s, _ = self._line.along(stances.place[new, 0])
+        passing = self._along[(stances.first[new] + stances.end[new] - 1) // 2]
+        s, _ = self._line.along(passing)
         place, heading = self._line.course.at(s)
+        ahead = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
         across = np.stack([-np.sin(heading), np.cos(heading)], axis=-1)
-        stances.to[new] = place + stances.place[new, 1:] * across
+        off = stances.place[new] - np.stack([passing, np.zeros(len(passing))], axis=-1)
+        stances.to[new] = place + off[:, :1] * ahead + off[:, 1:] * across
         stances.to_heading[new] = stances.heading[new] + heading + self._turn[stances.first[new]]
         ends = self._ends
         for i, where, wanted in (
