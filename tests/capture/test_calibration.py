@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ahmss.body.array import Array
 from ahmss.body.quaternion import from_rotation_vector, multiply, normalize
 from ahmss.capture.calibration import (
     calibrate,
@@ -93,13 +94,46 @@ def test_upright_at_the_start_is_found_where_the_take_ends_seated():
     assert end - first == 60
 
 
-@pytest.mark.parametrize("name", ["door_open", "door_close", "stand_up"])
-def test_who_hardly_moves_for_a_while_does_not_beat_who_stands_still_at_the_end(name):
-    performance = reversed_in_time(performed(name))
-    take, mounts = take_of(performance, seed=2)
+def ending_upright(rotations: Array, root: Array) -> Performance:
+    """Some frames, and then two seconds of standing upright."""
+    upright, place = SUBJECT.upright()
+    count = round(2.0 * RATE)
+    return Performance(
+        np.concatenate([rotations, upright[None].repeat(count, axis=0)]),
+        np.concatenate([root, place[None].repeat(count, axis=0)]),
+        RATE, SUBJECT, "ends upright", (len(rotations), len(rotations) + count),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_who_hardly_moves_at_a_door_does_not_beat_who_stands_upright_at_the_end(seed):
+    opening = performed("door_open")
+    begun = opening.upright[1]
+    middle = (begun + opening.frames) // 2  # with the hand on the lever
+    backwards = slice(middle, begun - 1, -1)
+    performance = ending_upright(opening.rotations[backwards], opening.root[backwards])
+    take, mounts = take_of(performance, seed=seed)
     found = calibrate(take)
     assert performance.upright[0] <= found.stretch[0] < found.stretch[1] <= performance.upright[1]
     assert degrees_between(found.sensor_to_link, inverse_mounts(mounts)).max() < 1e-3
+
+
+def test_who_sways_does_not_beat_who_stands_perfectly_still():
+    upright, place = SUBJECT.upright()
+    sway = np.radians(2.0) * np.sin(2.0 * np.pi * np.arange(90) / RATE)
+    rotations, root = upright[None].repeat(90, axis=0), place[None].repeat(90, axis=0)
+    rotations[:, 0] = multiply(from_rotation_vector(sway[:, None] * np.array([1.0, 0.0, 0.0])), rotations[:, 0])
+    swaying = take_of(Performance(rotations, root, RATE, SUBJECT, "sways", (0, 90)))[0]
+    assert 1.0 < calibrate(swaying).stillness < 2.0  # who does nothing else is taken so, and told to stand stiller
+    lift = performed("lift")
+    there = slice(lift.upright[1], (lift.upright[1] + lift.frames) // 2)
+    down, deep = lift.rotations[there], lift.root[there]
+    performance = ending_upright(
+        np.concatenate([rotations, down, down[::-1]]), np.concatenate([root, deep, deep[::-1]])
+    )
+    found = calibrate(take_of(performance)[0])
+    assert found.stretch[0] >= performance.upright[0]
+    assert found.stillness < 0.01
 
 
 def at_ease(seconds: float = 2.0) -> Performance:
