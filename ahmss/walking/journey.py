@@ -9,9 +9,11 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet as feet_of
 from ahmss.walking.catalogue import STRAIGHT, STRIDES, Key, Side
 from ahmss.walking.course import Course
+from ahmss.walking.handover import Handover
 from ahmss.walking.legs import foot_frames
 from ahmss.walking.library import Library
 from ahmss.walking.line import Line
@@ -27,6 +29,9 @@ _FORWARD = np.array([1.0, 0.0, 0.0])
 _MIRROR = np.array([1.0, -1.0, 1.0])
 SPOT = 0.02  # metres: who goes less far turns on the spot
 _SLOWEST, _FASTEST = 0.66, 1.4  # of the clips' cadence, that people still walk at
+_TAKEN_OVER = 30  # frames of the clips in which a new walk takes over; the foot that swings lands after 34
+_EASED, _HELD = 30, 120  # frames in which who makes way changes the cadence, and for which it is kept
+_STRETCHED = 6.0  # how much worse it is to stretch an end than to shrink it
 
 
 @dataclass(frozen=True)
@@ -79,14 +84,16 @@ class Journey:
     """A planned walk.
 
     shaping: gives its frames, 0 the present one, as far on as they are asked for. seams: the frames at which clips
-    meet, at each of which, but the first and the last, a foot lands and the walk may go on otherwise. natural, fewest,
-    most: frames that it takes as a person does, at the briskest, at the slowest.
+    meet, at each of which, but the first and the last, a foot lands and the walk may go on otherwise. rates (F - 1,):
+    how many frames of the clips pass from each frame to the next. natural, fewest, most: frames that it takes as a
+    person does, at the briskest, at the slowest.
     """
 
     selection: Selection
-    shaping: Shaping
+    shaping: Shaping | Handover
     line: Line
     nominal: Nominal
+    rates: Array
     natural: int
     fewest: int
     most: int
@@ -128,8 +135,8 @@ def journey(
     nominal = join(woven(library, d, f, chosen, mirror=mirror), scale)
     natural = len(nominal.root) - 1
     fewest, most = int(np.ceil(natural / _FASTEST)), int(natural / _SLOWEST)
-    if frames:
-        nominal = _in_frames(nominal, int(np.clip(frames, fewest, most)))
+    count = int(np.clip(frames, fewest, most)) if frames else natural
+    nominal, rates = _at_times(nominal, np.linspace(0.0, natural, count + 1))
     sign = -1.0 if mirror else 1.0
     x = nominal.root[list(nominal.seams), 0]
     one = len(x) == 2
@@ -141,7 +148,7 @@ def journey(
     )  # fmt: skip
     ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
     shaping = Shaping(skeleton, nominal, line, ends, standing.height)
-    return Journey(chosen, shaping, line, nominal, natural, fewest, most)
+    return Journey(chosen, shaping, line, nominal, rates, natural, fewest, most)
 
 
 @dataclass(frozen=True)
@@ -149,7 +156,8 @@ class Stride:
     """A walker in the middle of a walk, one foot about to land.
 
     ahead: the foot that lands. place (2,), heading: of the line at the hips. ankles (2, 2), headings (2,): of the feet,
-    the one that lands where it will stand.
+    the one that lands where it will stand. walk, frame: what it has walked so far, and where in it. rate: frames of the
+    clips that pass in one.
     """
 
     ahead: Side
@@ -157,6 +165,9 @@ class Stride:
     heading: float
     ankles: Array
     headings: Array
+    walk: Shaping | Handover
+    frame: int
+    rate: float
 
 
 def stride_at(going: Journey, seam: int) -> Stride:
@@ -164,16 +175,30 @@ def stride_at(going: Journey, seam: int) -> Stride:
     frame = going.seams[seam]
     root = going.nominal.root[frame]
     place, heading = going.line.course.at(going.line.along(root[:1])[0])
-    ahead: Side = "left" if going.nominal.bearing[frame - 1, 0].any() else "right"
+    # A few frames before, as at other times than the clips' a seam lies between two frames.
+    ahead: Side = "left" if going.nominal.bearing[frame - 3, 0].any() else "right"
     prints = [going.shaping.footprint(foot, frame) for foot in (0, 1)]
     ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
-    return Stride(ahead, place[0], float(heading[0]), ankles, headings)
+    rate = float(going.rates[frame - 1])
+    return Stride(ahead, place[0], float(heading[0]), ankles, headings, going.shaping, frame, rate)
 
 
 def onward(
-    skeleton: Skeleton, library: Library, standing: Standing, now: Stride, course: Course, facing: float
-) -> Journey:
-    """Go on walking along another course, which begins at `now.place` in its heading."""
+    skeleton: Skeleton, library: Library, standing: Standing, now: Stride, course: Course, facing: float,
+    rate: float = 1.0, slow: float = 1.0,
+) -> Journey:  # fmt: skip
+    """Go on walking along another course, which begins at `now.place` in its heading.
+
+    Args:
+        skeleton: of who walks.
+        library: the clips.
+        standing: how the walker stands.
+        now: how it walks now.
+        course: the way from there to the goal.
+        facing: the heading at the goal, radians, world.
+        rate: frames of the clips that pass in one when it need not make way.
+        slow: the share of that rate at which it walks for the next two seconds.
+    """
     scale = standing.height / library.hip_height
     _, f, mirror = bins(0.0, np.degrees(_wrapped(facing - float(course.heading[-1]))))
     way = paced(course)
@@ -181,6 +206,8 @@ def onward(
     clips = straights(library, chosen.steps, mirror=now.ahead == "left")
     end = Key("end", 0, -f if mirror else f, chosen.stride, chosen.last)
     nominal = join([*clips, clip_of(library, end)], scale)
+    natural = len(nominal.root) - 1
+    nominal, rates = _at_times(nominal, _changing(natural, now.rate, rate, slow))
     x = nominal.root[list(nominal.seams), 0]
     line = Line(
         way, length=float(x[-1]), first=0.0, last=float(x[-2]), start=1.0, end=chosen.end_ratio,
@@ -189,12 +216,12 @@ def onward(
     )  # fmt: skip
     ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
     shaping = Shaping(skeleton, nominal, line, ends, standing.height)
-    natural = len(nominal.root) - 1
-    return Journey(chosen, shaping, line, nominal, natural, natural, natural)
+    over = Handover(skeleton, now.walk, now.frame, shaping, round(_TAKEN_OVER / max(now.rate, rate)))
+    return Journey(chosen, over, line, nominal, rates, natural, natural, natural)
 
 
 def _rest(library: Library, scale: float, facing: int, mirror: bool, ahead: Side, distance: float) -> Selection:
-    """How many straights and which end for the rest of a way: that which is shrunk or stretched least."""
+    """How many straights and which end for the rest of a way: that which is shrunk least, or stretched even less."""
     straight = scale * length_of(clip_of(library, STRAIGHT))
     other: Side = "left" if ahead == "right" else "right"
     best: tuple[float, Selection] | None = None
@@ -203,16 +230,27 @@ def _rest(library: Library, scale: float, facing: int, mirror: bool, ahead: Side
         for stride in STRIDES:
             key = Key("end", 0, -facing if mirror else facing, stride, last)
             ratio = (distance - steps * straight) / (scale * length_of(clip_of(library, key)))
-            badness = abs(np.log(ratio)) if ratio > 0.0 else np.inf
+            badness = max(_STRETCHED * np.log(ratio), -np.log(ratio)) if ratio > 0.0 else np.inf
             if best is None or badness < best[0]:
                 best = (float(badness), Selection("3Parts", stride, steps, last, 1.0, max(ratio, 0.05)))
     assert best is not None
     return best[1]
 
 
-def _in_frames(nominal: Nominal, frames: int) -> Nominal:
+def _at_times(nominal: Nominal, times: Array) -> tuple[Nominal, Array]:
+    """A walk at other times, as `stretched` does it, and its rates."""
+    rates = np.diff(times)
     natural = len(nominal.root) - 1
-    return nominal if frames == natural else stretched(nominal, np.linspace(0.0, natural, frames + 1))
+    return (nominal if len(times) == natural + 1 and np.ptp(rates) < 1e-9 else stretched(nominal, times)), rates
+
+
+def _changing(natural: int, now: float, rate: float, slow: float) -> Array:
+    """The times of a walk of so many frames of the clips whose rate changes from `now`: smoothly, from 0 on."""
+    frames = np.arange(int(2.0 * natural / min(now, slow * rate)) + _HELD)
+    rates = now + (slow * rate - now) * minimum_jerk(frames / _EASED)
+    rates += (rate - slow * rate) * minimum_jerk((frames - _HELD) / _EASED)
+    times = np.concatenate([[0.0], np.cumsum(rates)])
+    return np.append(times[times < natural - 0.5 * rate], float(natural))
 
 
 def _stood(standing: Standing, place: Array, heading: float) -> tuple[Array, Array]:

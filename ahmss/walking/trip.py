@@ -6,36 +6,33 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import shapely
 
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
+from ahmss.walking.catalogue import STRAIGHT, Key, Stride
 from ahmss.walking.course import Course, NoWay, plan
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, footing, journey, onward, stride_at
 from ahmss.walking.library import RATE, Library
+from ahmss.walking.makingway import LOOKED, MET, Walker, cut, least, options
+from ahmss.walking.nominal import clip_of, length_of
+from ahmss.walking.pacing import Paced
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 RADIUS = 0.27  # metres that a walker keeps from things
 _APART = 0.75  # metres that two walkers' middles shall keep apart
-_MET, _CLOSE = 0.62, 0.50  # metres apart at which one makes way, and that one accepts in making it
-_SEEN = 2.4  # seconds that a walker looks ahead for others
-_TURNED_IN = 0.8  # metres in which a walker who goes on passes over to another course
-_ASIDE = 0.16  # metres by which an oncoming walker is taken to be further to the left: both pass on the right
-_STOP = 0.75  # metres in which a walker stops
+_THINGS = 0.17  # metres from things that who makes way may come
+_STOPS: tuple[tuple[Stride, float], ...] = (
+    ("small", 0.8),
+    ("small", 1.0),
+    ("normal", 1.0),
+)  # the ends by which one stops, and of what share of them
+_TRIED = 4  # ways out that are looked at closely
+_LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
+_AGAIN = 12  # frames after which who waits looks again
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
-
-
-@dataclass(frozen=True)
-class Walker:
-    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second."""
-
-    place: Array
-    velocity: Array
-
-    def after(self, seconds: Array) -> Array:
-        """Where they will be (..., 2)."""
-        return self.place + seconds[..., None] * self.velocity
 
 
 @dataclass(frozen=True)
@@ -82,6 +79,8 @@ class Trip:
 
     def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
         self.standing = Standing.of(self.skeleton, self.library)
+        self._rate = 1.0  # frames of the clips that pass in one
+        self._things = np.array([shapely.Polygon(ring) for ring in self.ground.outlines if len(ring) > 2], dtype=object)
 
     def pieces(self, rotations: Array, root: Array) -> Iterator[Piece]:
         """The frames, a step at a time, from a standing pose (43, 4), (3,).
@@ -91,24 +90,31 @@ class Trip:
         """
         now = footing(self.skeleton, rotations, root, self.standing)
         self.others()  # so that their speed is known when it matters
-        going = self._set_out(now)
+        going = self._set_out(now, frames=self.frames)
         self._say_frames(going)
+        self._rate = float(going.rates[0]) if len(going.rates) else 1.0
         while True:
             going, over = yield from self._steps(going)
             if over:
                 return
             yield from self._wait(going)
             now = self._footing_after(going)
-            going = self._set_out(now, self._circles())
+            going = self._set_out(now, self._circles(), rate=self._rate)
 
     # Planning
 
-    def _set_out(self, now: Footing, circles: Sequence[tuple[float, float, float]] = ()) -> Journey:
+    def _set_out(
+        self, now: Footing, circles: Sequence[tuple[float, float, float]] = (), frames: int = 0, rate: float = 1.0
+    ) -> Journey:
         course = self._course(now.place, now.heading, circles)
         facing = float(course.heading[-1]) if self.facing is None else self.facing
         if self.facing is None and course.length < SPOT:
             facing = now.heading
-        return journey(self.skeleton, self.library, self.standing, now, course, facing, self.frames)
+        made = journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
+        if rate == 1.0:
+            return made
+        frames = round(made.natural / rate)
+        return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
 
     def _course(self, place: Array, heading: float, circles: Sequence[tuple[float, float, float]]) -> Course:
         return plan(
@@ -137,71 +143,93 @@ class Trip:
             made = end
             if seam == len(going.seams) - 1 or stopping or not self._meets(going, made):
                 continue
-            going, stopping = self._instead(going, seam)
-            seam, made = 0, 0
+            way_out = self._way_out(going, seam)
+            if way_out is not None:
+                going, stopping = way_out
+                seam, made = 0, 0
         return going, not stopping  # pyright: ignore[reportReturnType]
 
-    def _meets(self, going: Journey, made: int, apart: float = _MET) -> bool:
-        """Whether somebody comes nearer than that in the next seconds."""
+    def _meets(self, going: Journey, made: int) -> bool:
+        """Whether somebody comes too near in the next seconds."""
         others = self.others()
-        if not others:
-            return False
-        ahead = going.shaping.level[made : made + round(_SEEN * RATE) : 6]
-        seconds: Array = np.arange(0.0, len(ahead)) * (6.0 / RATE)
-        return any(self._near(ahead, other.after(seconds), apart) for other in others)
+        return bool(others) and least(self._ahead(going, made), others) < MET
 
     @staticmethod
-    def _near(own: Array, other: Array, apart: float) -> bool:
-        """Whether two come nearer to each other than they are, and too near."""
-        away = np.linalg.norm(own - other, axis=-1)
-        return bool(away.min() < apart and away.min() < away[0] - 0.02)
+    def _ahead(going: Journey, made: int) -> Array:
+        """Where the hips will be (n, 2) at the times LOOKED, as far as the walk goes."""
+        return going.shaping.level[made:][:: round(RATE * LOOKED[1])][: len(LOOKED)]
 
-    def _instead(self, going: Journey, seam: int) -> tuple[Journey, bool]:
-        """The walk from a seam on round those who come in its way, or to a stop; and whether it stops."""
-        stride = stride_at(going, seam)
-        along = np.array([np.cos(stride.heading), np.sin(stride.heading)])
-        since = stride.place + 0.3 * along
-        try:
-            course = self._course(since, stride.heading, self._circles(since, along))
-            course = _passing(stride.place, stride.heading, course)
-            facing = float(course.heading[-1]) if self.facing is None else self.facing
-            around = onward(self.skeleton, self.library, self.standing, stride, course, facing)
-            if not self._meets(around, 0, _CLOSE):
-                return around, False
-        except NoWay:
-            pass  # somebody closes the way: wait for them
-        straight = np.linspace(0.0, _STOP, 38)[:, None]
-        stop = Course(stride.place + straight * along, np.full(38, stride.heading), _STOP)
-        return onward(self.skeleton, self.library, self.standing, stride, stop, stride.heading), True
+    def _way_out(self, going: Journey, seam: int) -> tuple[Journey, bool] | None:
+        """The walk from a seam on that makes way best, and whether it stops; None: going on as it is is best."""
+        stride, others = stride_at(going, seam), self.others()
+        scale = self.standing.height / self.library.hip_height
+        straight = clip_of(self.library, STRAIGHT)
+        speed = self._rate * scale * length_of(straight) * RATE / straight.frames
+        since = float(going.line.along(going.nominal.root[going.seams[seam], :1])[0][0])
+        course = going.line.course
+        if isinstance(course, Paced):
+            course, since = course.course, float(course.placed(since))
+        rest = cut(course, since, course.length - since)
+        stops = [
+            share * scale * length_of(clip_of(self.library, Key("end", 0, 0, stride_size, stride.ahead)))
+            for stride_size, share in _STOPS
+        ]
 
-    def _circles(self, place: Array | None = None, along: Array | None = None) -> list[tuple[float, float, float]]:
-        """Others as circles: where they are while they are met, an oncoming one further to the left."""
-        circles: list[tuple[float, float, float]] = []
-        for other in self.others():
-            radius = _APART - RADIUS
-            if place is None or along is None:
-                circles.append((*other.place.tolist(), radius))
+        def around(place: Array, heading: float, circles: Sequence[tuple[float, float, float]]) -> Course:
+            return self._course(place, heading, [(x, y, apart - RADIUS) for x, y, apart in circles])
+
+        own = self._ahead(going, going.seams[seam])
+        for option in options(own, rest, stops, speed, others, around)[:_TRIED]:
+            if option.course is rest and option.slow == 1.0:
+                return None
+            if option.course is not rest and self._touches(option.course):
                 continue
-            speed = float(np.linalg.norm(other.velocity))
-            left = np.array([-along[1], along[0]])
-            oncoming = speed > 0.1 and float(other.velocity @ along) < -0.5 * speed
-            away = float(np.linalg.norm(other.place - place))
-            meeting = away / (1.2 + (speed if oncoming else 0.0))
-            for share in (0.6, 1.0, 1.4) if speed > 0.1 else (1.0,):
-                x, y = other.after(np.array(min(share * meeting, _SEEN))) + (_ASIDE * left if oncoming else 0.0)
-                circles.append((float(x), float(y), radius))
-        return circles
+            facing = float(option.course.heading[-1])
+            if self.facing is not None and not option.stops:
+                facing = self.facing
+            made = onward(
+                self.skeleton, self.library, self.standing, stride, option.course, facing, self._rate, option.slow
+            )
+            if self._natural(made):
+                return made, option.stops
+        return None
+
+    def _natural(self, going: Journey) -> bool:
+        """Whether the next steps of a walk are such as a person makes."""
+        root = going.shaping.part(0, min(going.shaping.frames, 2 * going.seams[1])).root
+        moved = np.diff(root, axis=0) * RATE
+        return bool(
+            root[:, 2].min() > _LOWEST * self.standing.height
+            and np.linalg.norm(moved, axis=-1).max() < _FASTEST
+            and np.linalg.norm(np.diff(moved, axis=0), axis=-1).max() * RATE < _HARDEST
+        )
+
+    def _touches(self, course: Course) -> bool:
+        """Whether a course comes too near to things soon, and nearer than where it begins."""
+        points = course.points[:150]
+        if not len(self._things) or len(points) < 2:
+            return False
+        near = shapely.distance(self._things, shapely.Point(points[0]))
+        return bool(
+            (shapely.distance(self._things, shapely.LineString(points)) < np.minimum(near, _THINGS) - 1e-6).any()
+        )
+
+    def _circles(self) -> list[tuple[float, float, float]]:
+        """Others as circles, where they are."""
+        return [(*other.place.tolist(), _APART - RADIUS) for other in self.others()]
 
     def _wait(self, going: Journey) -> Iterator[Piece]:
         """Stand until the way is free."""
         last = _piece(going, going.seams[-1] - 1, going.seams[-1])
-        for _ in range(round(_PATIENCE * RATE)):
+        for frame in range(round(_PATIENCE * RATE)):
             yield last
+            if frame % _AGAIN:
+                continue
             try:
-                ahead = self._set_out(self._footing_after(going), self._circles())
+                ahead = self._set_out(self._footing_after(going), self._circles(), rate=self._rate)
             except NoWay:
                 continue
-            if not self._meets(ahead, 0, _CLOSE):
+            if not self._meets(ahead, 0):
                 return
         raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
 
@@ -217,24 +245,3 @@ def _piece(going: Journey, first: int, last: int) -> Piece:
     """The frames after `first` up to `last`."""
     shaped = going.shaping.part(first + 1, last + 1)
     return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet)
-
-
-def _passing(place: Array, heading: float, course: Course) -> Course:
-    """A course that leaves a place in a heading and passes over to another course."""
-    join = min(_TURNED_IN, 0.5 * course.length)
-    end, towards = course.at(np.array(join))
-    reach = float(np.linalg.norm(end - place))
-    u = np.linspace(0.0, 1.0, max(int(reach / 0.02), 4))[:, None]
-    d0 = 1.2 * reach * np.array([np.cos(heading), np.sin(heading)])
-    d1 = 1.2 * reach * np.array([np.cos(towards), np.sin(towards)])
-    h = 2.0 * u**3 - 3.0 * u**2
-    curve = place * (1.0 + h) + end * -h + d0 * (u**3 - 2.0 * u**2 + u) + d1 * (u**3 - u**2)
-    rest, _ = course.at(np.linspace(join, course.length, max(int((course.length - join) / 0.02), 2))[1:])
-    points = np.concatenate([curve, rest])
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=-1))])
-    even = np.linspace(0.0, along[-1], len(points))
-    points = np.stack([np.interp(even, along, points[:, i]) for i in range(2)], axis=-1)
-    step = np.gradient(points, axis=0)
-    headings = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    headings += 2.0 * np.pi * np.round((heading - headings[0]) / (2.0 * np.pi))
-    return Course(points, headings, float(along[-1]))

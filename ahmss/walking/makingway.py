@@ -1,0 +1,198 @@
+"""What a walker may do about others in its way, from the present step on, and what each would cost.
+
+It may go on, go slower, pass on the right or the left, both at once, or stop. Others are taken to go on as they do. The
+figures are judged, not measured: people pass each other's middles at 0.6 m or more, would rather turn a little than
+stop, and pass oncoming ones on the right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.walking.course import Course, NoWay
+
+__all__ = ["LOOKED", "MET", "Option", "Walker", "cut", "least", "options", "turned_into"]
+
+LOOKED = np.arange(0.0, 2.41, 0.1)  # seconds: how far ahead a walker looks for others, and how finely
+MET = 0.62  # metres apart at which one makes way
+_APART = 0.7  # metres that two walkers' middles shall keep apart where one goes round the other
+_LATER = 0.4  # seconds: the other may be met so much sooner or later
+_ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
+_PASSING = 1.5  # metres: who gets no nearer is not gone round
+_MOVING = 0.1  # m/s
+_SLOWER = (0.85, 0.7)  # shares of the speed
+_TURNED, _LEFT, _SLOWED, _STOPPED, _LONGER = 0.3, 0.15, 1.6, 1.6, 0.6  # costs; the last one a metre
+_RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
+_SHARPEST = 1.6  # 1/m, of a bend in which a walker turns in
+_GENTLE = 0.9  # 1/m: a bend as gentle as that is not made gentler
+_JOINS = (0.6, 0.9, 1.2, 1.6, 2.0, 2.6, 3.2)  # metres further on at which it may be on the other course
+_SAMPLE = 0.02
+
+
+@dataclass(frozen=True)
+class Walker:
+    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second."""
+
+    place: Array
+    velocity: Array
+
+    def after(self, seconds: Array) -> Array:
+        """Where they will be (..., 2)."""
+        return self.place + seconds[..., None] * self.velocity
+
+
+@dataclass(frozen=True)
+class Option:
+    """What a walker may do: a course from where it is, the share of its speed, whether it stops there; its cost."""
+
+    course: Course
+    slow: float
+    stops: bool
+    cost: float
+
+
+def least(own: Array, others: Sequence[Walker]) -> float:
+    """How near somebody comes (metres) to a walker who is at `own` (n, 2) at the times LOOKED.
+
+    Who comes no nearer than they are now does not count.
+    """
+    return min((float(away.min()) for away in _approaching(own, others)), default=np.inf)
+
+
+def _approaching(own: Array, others: Sequence[Walker]) -> Iterator[Array]:
+    """How far those are (n,) who come nearer."""
+    for other in others:
+        away = np.linalg.norm(own - other.after(LOOKED[: len(own)]), axis=-1)
+        if away.min() < away[0] - 0.02:
+            yield away
+
+
+def options(
+    own: Array, rest: Course, stops: Sequence[float], speed: float, others: Sequence[Walker],
+    around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course],
+) -> list[Option]:  # fmt: skip
+    """What may be done, the cheapest first.
+
+    Args:
+        own: where it will be (n, 2) at the times LOOKED if it goes on as it does.
+        rest: the rest of the present course; the option of this very course at full speed is to go on as it does.
+        stops: in how many metres the walker can stop.
+        speed: its own, m/s.
+        others: who is about.
+        around: plans a way from a place and heading round circles.
+    """
+    found = [Option(rest, 1.0, False, _risk(own, others))]
+    for slow in _SLOWER:
+        found.append(Option(rest, slow, False, _SLOWED * (1.0 - slow) + _risk(_ahead(rest, slow * speed), others)))
+    for length in stops:
+        course = cut(rest, 0.0, length)
+        found.append(Option(course, 1.0, True, _STOPPED + _risk(_ahead(course, speed, stops=True), others)))
+    for course, dear in _passings(rest, speed, others, around):
+        dear += _LONGER * max(course.length - rest.length, 0.0)
+        for slow in (1.0, *_SLOWER):
+            cost = dear + _SLOWED * (1.0 - slow) + _risk(_ahead(course, slow * speed), others)
+            found.append(Option(course, slow, False, cost))
+    return sorted(found, key=lambda option: option.cost)
+
+
+def _ahead(course: Course, speed: float, *, stops: bool = False) -> Array:
+    """Where a walker will be (n, 2) on a course at the times LOOKED, as far as it goes."""
+    if stops:
+        slowing = np.minimum(LOOKED * speed / (2.0 * course.length), 1.0)
+        return course.at(course.length * slowing * (2.0 - slowing))[0]
+    way = speed * LOOKED
+    return course.at(way[: max(int(np.searchsorted(way, course.length)), 2)])[0]
+
+
+def _risk(own: Array, others: Sequence[Walker]) -> float:
+    """What it costs to be at `own` (n, 2) at the times LOOKED."""
+    risk = 0.0
+    for away in _approaching(own, others):
+        near = (np.maximum(MET - away, 0.0) / _RISK) ** 2
+        risk += float(near.max() + _LASTING * LOOKED[1] * near.sum())
+    return risk
+
+
+def _passings(
+    rest: Course, speed: float, others: Sequence[Walker],
+    around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course],
+) -> Iterator[tuple[Course, float]]:  # fmt: skip
+    """Ways round those who are met, on their right and on their left, and what the side and the bend cost."""
+    place, heading = rest.points[0], float(rest.heading[0])
+    since = place + 0.3 * np.array([np.cos(heading), np.sin(heading)])
+    if rest.length < _JOINS[0]:
+        return
+    for side, dear in ((1.0, 0.0), (-1.0, _LEFT)):
+        circles = list(_circles(rest, speed, others, side))
+        try:
+            planned = around(since, heading, circles)
+        except NoWay:
+            continue
+        course = turned_into(place, heading, planned)
+        if course is not None:
+            yield course, _TURNED + dear
+
+
+def _circles(rest: Course, speed: float, others: Sequence[Walker], side: float) -> Iterator[tuple[float, float, float]]:
+    """Others where they are met, each moved aside: to the left where `side` is 1."""
+    own, heading = rest.at(speed * LOOKED)
+    for other in others:
+        away = np.linalg.norm(own - other.after(LOOKED), axis=-1)
+        met = int(away.argmin())
+        if away[met] > _PASSING:
+            continue
+        aside = side * _ASIDE * np.array([-np.sin(heading[met]), np.cos(heading[met])])
+        moving = float(np.linalg.norm(other.velocity)) > _MOVING
+        for later in (-_LATER, 0.0, _LATER) if moving else (0.0,):
+            x, y = other.after(np.array(max(LOOKED[met] + later, 0.0))) + aside
+            yield float(x), float(y), _APART
+
+
+def cut(course: Course, since: float, length: float) -> Course:
+    """So much of a course from a length on; beyond its end it goes on straight."""
+    points, heading = course.at(since + np.linspace(0.0, length, max(int(np.ceil(length / _SAMPLE)), 4) + 1))
+    return Course(points, heading, length)
+
+
+def turned_into(place: Array, heading: float, course: Course) -> Course | None:
+    """A course that leaves a place in a heading and passes over into another one; None: it would bend too sharply.
+
+    The curve between is a quintic whose bend begins and ends at 0; it is as short as is gentle enough.
+    """
+    best: tuple[float, Course] | None = None
+    for join in _JOINS:
+        if join > course.length - 0.3:
+            break
+        made = _joined(place, heading, course, join)
+        step = made.length / (len(made.points) - 1)
+        bend = float(np.abs(np.gradient(made.heading, step)).max())
+        if best is None or bend < 0.9 * best[0]:
+            best = bend, made
+        if bend < _GENTLE:
+            break
+    return best[1] if best is not None and best[0] < _SHARPEST else None
+
+
+def _joined(place: Array, heading: float, course: Course, join: float) -> Course:
+    end, towards = course.at(np.array(join))
+    reach = float(np.linalg.norm(end - place))
+    u = np.linspace(0.0, 1.0, max(int(np.ceil(reach / _SAMPLE)), 8) + 1)[:, None]
+    h = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
+    begin = reach * np.array([np.cos(heading), np.sin(heading)])
+    over = reach * np.array([np.cos(towards), np.sin(towards)])
+    curve = place + h * (end - place) + begin * (u - u**3 * (6.0 - 8.0 * u + 3.0 * u * u))
+    curve = curve + over * (u**3 * (-4.0 + 7.0 * u - 3.0 * u * u))
+    left = course.length - join
+    rest, _ = course.at(join + np.linspace(0.0, left, max(int(np.ceil(left / _SAMPLE)), 2) + 1)[1:])
+    points = np.concatenate([curve, rest])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=-1))])
+    even = np.linspace(0.0, along[-1], int(np.ceil(along[-1] / _SAMPLE)) + 1)
+    points = np.stack([np.interp(even, along, points[:, i]) for i in range(2)], axis=-1)
+    step = np.gradient(points, axis=0)
+    headings = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+    headings += 2.0 * np.pi * np.round((heading - headings[0]) / (2.0 * np.pi))
+    return Course(points, headings, float(even[-1]))
