@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -44,13 +45,21 @@ class Transform:
         return Transform(-rotate(back, self.place), back)
 
 
+_SEEN = 40  # frames: a step and a little
+
+
+def _sightings() -> deque[tuple[float, float, float]]:
+    return deque(maxlen=_SEEN)
+
+
 @dataclass
 class WorldObject:
     """An object of the world. `place` (3,) and `rotation` (4,) follow it where the algorithm asked for the world.
 
     footprint: outlines (n, 2) of the area on the floor that it occupies for a walker, in its frame turned about z
     only, counter-clockwise, without holes; empty where algorithm.toml does not ask for `footprints`, and for what is
-    under 5 cm, over 1.9 m, or in the hands of the acting human.
+    under 5 cm, over 1.9 m, or in the hands of the acting human. seen: of a human, the last frames in which it moved:
+    the frame, x and y.
     """
 
     id: int
@@ -62,6 +71,7 @@ class WorldObject:
     properties: dict[str, Any] = field(default_factory=dict[str, Any])
     states: dict[str, Any] = field(default_factory=dict[str, Any])
     footprint: tuple[Array, ...] = ()
+    seen: deque[tuple[float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
 
     @classmethod
     def of(cls, record: ObjectRecord) -> WorldObject:

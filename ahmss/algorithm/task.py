@@ -190,7 +190,7 @@ class Task:
             if len(row) < own or (len(row) - own) % _MOVED:
                 raise ProtocolError(f"FRAME has {len(row)} numbers; {own} and 8 for each that moved are expected")
             for moved in row[own:].reshape(-1, _MOVED):
-                self._move(int(moved[0]), moved[1:4], moved[4:8])
+                self._move(row[0], int(moved[0]), moved[1:4], moved[4:8])
         if "present" in self.__dict__:
             self.present.row[:] = row[:_HUMAN]
             return
@@ -201,12 +201,14 @@ class Task:
 
     frame_size = _HUMAN
 
-    def _move(self, number: int, place: Array, rotation: Array) -> None:
-        """An object is elsewhere now; one that is not known is not missed."""
+    def _move(self, k: float, number: int, place: Array, rotation: Array) -> None:
+        """An object is elsewhere now, at frame k; one that is not known is not missed."""
         target = self.object if self.object is not None and self.object.id == number else self.world.get(number)
         if target is not None:
             target.place[:] = place
             target.rotation[:] = rotation
+            if target.kind == "human":
+                target.seen.append((k, place[0], place[1]))
 
 
 class HumanTask(Task):

@@ -8,7 +8,7 @@ stop, and pass oncoming ones on the right.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,9 +24,13 @@ _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
 _PASSING = 1.5  # metres: who gets no nearer is not gone round
 _MOVING = 0.1  # m/s
+_STEP, _MOMENT = 0.55, 0.15  # seconds over which a velocity is known, and in which it may have changed
+_CHANGED, _SLOWING = 0.65, 0.3  # share of the speed that is a change of it; seconds in which one stops
 _SLOWER = (0.85, 0.7)  # shares of the speed
 _TURNED, _LEFT, _SLOWED, _STOPPED, _LONGER = 0.3, 0.15, 1.6, 1.6, 0.6  # costs; the last one a metre
+_HARD, _SOFT = 1.0, 0.6  # what a stop in less than so many metres costs more, a metre
 _RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
+_LIKELY = 0.2  # how much it counts that who walks may stop
 _SHARPEST = 1.6  # 1/m, of a bend in which a walker turns in
 _GENTLE = 0.9  # 1/m: a bend as gentle as that is not made gentler
 _JOINS = (0.6, 0.9, 1.2, 1.6, 2.0, 2.6, 3.2)  # metres further on at which it may be on the other course
@@ -35,14 +39,33 @@ _SAMPLE = 0.02
 
 @dataclass(frozen=True)
 class Walker:
-    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second."""
+    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second; whether they are about to stop."""
 
     place: Array
     velocity: Array
+    stops: bool = False
+
+    @classmethod
+    def of(cls, seconds: Array, places: Array) -> Walker:
+        """From where they were (n, 2) at times (n,), rising, the last one now.
+
+        Hips go faster and slower and from side to side at each step, so the velocity is that over a step; who has
+        just become much faster or slower is taken at the last moments' velocity.
+        """
+        still = np.zeros(2)
+        if len(places) < 2:
+            return cls(places[-1], still)
+        last, since = seconds[-1], np.searchsorted(seconds, seconds[-1] - np.array([_STEP, _MOMENT]) - 1e-9)
+        step, moment = ((places[-1] - places[i]) / (last - seconds[i]) if i < len(places) - 1 else still for i in since)
+        usual, now = np.linalg.norm(step), np.linalg.norm(moment)
+        if now < _CHANGED * usual:
+            return cls(places[-1], moment, stops=True)
+        return cls(places[-1], moment if usual < _CHANGED * now else step)
 
     def after(self, seconds: Array) -> Array:
         """Where they will be (..., 2)."""
-        return self.place + seconds[..., None] * self.velocity
+        going = _SLOWING * (1.0 - np.exp(-seconds / _SLOWING)) if self.stops else seconds
+        return self.place + going[..., None] * self.velocity
 
 
 @dataclass(frozen=True)
@@ -90,8 +113,14 @@ def options(
         found.append(Option(rest, slow, False, _SLOWED * (1.0 - slow) + _risk(_ahead(rest, slow * speed), others)))
     for length in stops:
         course = cut(rest, 0.0, length)
-        found.append(Option(course, 1.0, True, _STOPPED + _risk(_ahead(course, speed, stops=True), others)))
-    for course, dear in _passings(rest, speed, others, around):
+        hard = _HARD * max(_SOFT - length, 0.0)
+        found.append(Option(course, 1.0, True, _STOPPED + hard + _risk(_ahead(course, speed, stops=True), others)))
+    for side, dear in ((1.0, _TURNED), (-1.0, _TURNED + _LEFT)):
+        if min(option.cost for option in found) < dear:
+            break  # planning takes long, and would be of no use
+        course = _passing(rest, speed, others, around, side)
+        if course is None:
+            continue
         dear += _LONGER * max(course.length - rest.length, 0.0)
         for slow in (1.0, *_SLOWER):
             cost = dear + _SLOWED * (1.0 - slow) + _risk(_ahead(course, slow * speed), others)
@@ -109,32 +138,30 @@ def _ahead(course: Course, speed: float, *, stops: bool = False) -> Array:
 
 
 def _risk(own: Array, others: Sequence[Walker]) -> float:
-    """What it costs to be at `own` (n, 2) at the times LOOKED."""
+    """What it costs to be at `own` (n, 2) at the times LOOKED: others go on, or stop as well, which is less likely."""
     risk = 0.0
     for away in _approaching(own, others):
         near = (np.maximum(MET - away, 0.0) / _RISK) ** 2
         risk += float(near.max() + _LASTING * LOOKED[1] * near.sum())
+    for away in _approaching(own, [replace(other, stops=True) for other in others if not other.stops]):
+        risk += _LIKELY * float((np.maximum(MET - away, 0.0) / _RISK).max()) ** 2
     return risk
 
 
-def _passings(
+def _passing(
     rest: Course, speed: float, others: Sequence[Walker],
-    around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course],
-) -> Iterator[tuple[Course, float]]:  # fmt: skip
-    """Ways round those who are met, on their right and on their left, and what the side and the bend cost."""
+    around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course], side: float,
+) -> Course | None:  # fmt: skip
+    """A way round those who are met, on the right where `side` is 1, else on the left; None: there is none."""
     place, heading = rest.points[0], float(rest.heading[0])
-    since = place + 0.3 * np.array([np.cos(heading), np.sin(heading)])
     if rest.length < _JOINS[0]:
-        return
-    for side, dear in ((1.0, 0.0), (-1.0, _LEFT)):
-        circles = list(_circles(rest, speed, others, side))
-        try:
-            planned = around(since, heading, circles)
-        except NoWay:
-            continue
-        course = turned_into(place, heading, planned)
-        if course is not None:
-            yield course, _TURNED + dear
+        return None
+    since = place + 0.3 * np.array([np.cos(heading), np.sin(heading)])
+    try:
+        planned = around(since, heading, list(_circles(rest, speed, others, side)))
+    except NoWay:
+        return None
+    return turned_into(place, heading, planned)
 
 
 def _circles(rest: Course, speed: float, others: Sequence[Walker], side: float) -> Iterator[tuple[float, float, float]]:

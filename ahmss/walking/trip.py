@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -24,11 +25,9 @@ __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 RADIUS = 0.27  # metres that a walker keeps from things
 _APART = 0.75  # metres that two walkers' middles shall keep apart
 _THINGS = 0.17  # metres from things that who makes way may come
-_STOPS: tuple[tuple[Stride, float], ...] = (
-    ("small", 0.8),
-    ("small", 1.0),
-    ("normal", 1.0),
-)  # the ends by which one stops, and of what share of them
+# The ends by which one stops, and to what share of their length.
+_STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("small", 1.0), ("normal", 1.0))
+_NEAR = 2.3  # metres: whom one goes round from the beginning
 _TRIED = 4  # ways out that are looked at closely
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 _AGAIN = 12  # frames after which who waits looks again
@@ -89,8 +88,7 @@ class Trip:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
         now = footing(self.skeleton, rotations, root, self.standing)
-        self.others()  # so that their speed is known when it matters
-        going = self._set_out(now, frames=self.frames)
+        going = self._begun(now)
         self._say_frames(going)
         self._rate = float(going.rates[0]) if len(going.rates) else 1.0
         while True:
@@ -102,6 +100,14 @@ class Trip:
             going = self._set_out(now, self._circles(), rate=self._rate)
 
     # Planning
+
+    def _begun(self, now: Footing) -> Journey:
+        """The walk as it is first planned: round those who are so near that the first step would be too late for it."""
+        near = [(x, y, r) for x, y, r in self._circles() if np.hypot(x - now.place[0], y - now.place[1]) < _NEAR]
+        if near:
+            with contextlib.suppress(NoWay):
+                return self._set_out(now, near, frames=self.frames)
+        return self._set_out(now, frames=self.frames)
 
     def _set_out(
         self, now: Footing, circles: Sequence[tuple[float, float, float]] = (), frames: int = 0, rate: float = 1.0

@@ -7,6 +7,7 @@ where to, what is in the way, and how much the walk cares for each joint.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from ahmss.walking.trip import Ground, Piece, Trip, Walker
 FEET = slice(2, 4)
 CARES = {"hips": 1.0, "upper_leg": 1.0, "lower_leg": 1.0, "foot": 1.0, "spine": 0.4, "head": 0.08}
 CARES |= {"upper_arm": 0.15, "lower_arm": 0.15, "hand": 0.15}
+MISSED = 3  # frames for which who moves may not have been seen
 LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 
 
@@ -31,9 +33,8 @@ def walk(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("one must stand to walk; stand up first")
     ground = _ground(task)
     goal = _goal(task, ground)
-    others = _Others(task)
     trip = Trip(
-        task.human, task.library, ground, goal.place, goal.facing, task.length, others.now, task.note,
+        task.human, task.library, ground, goal.place, goal.facing, task.length, partial(_others, task), task.note,
     )  # fmt: skip
     for piece in trip.pieces(task.start.rotations, task.start.root):
         yield _rows(task, piece)
@@ -66,29 +67,17 @@ def _goal(task: HumanTask, ground: Ground) -> Goal:
     return Goal(root, facing)
 
 
-class _Others:
-    """The other humans, and how fast they go."""
-
-    def __init__(self, task: HumanTask) -> None:
-        self._task = task
-        self._before: dict[int, tuple[int, Array, Array]] = {}
-
-    def now(self) -> Sequence[Walker]:
-        """Who is on the floor; their speed is that since they were last asked for."""
-        k, found = self._task.present.k, []
-        for number, human in self._task.world.items():
-            if human.kind != "human":
-                continue
-            place = human.place[:2].copy()
-            before = self._before.get(number)
-            velocity = np.zeros(2)
-            if before is not None:
-                since = (k - before[0]) / self._task.rate
-                velocity = (place - before[1]) / since if since > 0.0 else before[2]
-            if before is None or k > before[0]:
-                self._before[number] = k, place, velocity
-            found.append(Walker(place, velocity))
-        return found
+def _others(task: HumanTask) -> Sequence[Walker]:
+    """Who else is on the floor now, and how fast they go."""
+    found: list[Walker] = []
+    for human in task.world.values():
+        if human.kind != "human":
+            continue
+        k, place = float(task.present.k), human.place[:2].copy()
+        seen = [*human.seen] if human.seen and human.seen[-1][0] > k - MISSED else []
+        track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
+        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
+    return found
 
 
 def _rows(task: HumanTask, piece: Piece) -> Array:
