@@ -31,6 +31,9 @@ _NEAR = 2.3  # metres: whom one goes round from the beginning
 _TRIED = 4  # ways out that are looked at closely
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 _AGAIN = 12  # frames after which who waits looks again
+_POLITE, _BESIDE, _STANDS = 2.5, 2.2, 0.1  # seconds that one lets others go first, who are so near and so slow (m/s)
+_FIRST = np.array([0.8, 0.6])  # who stands further that way goes first: any way serves
+_IMPATIENT = 0.25  # metres: how much nearer one goes in the end
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
 
 
@@ -95,9 +98,9 @@ class Trip:
             going, over = yield from self._steps(going)
             if over:
                 return
-            yield from self._wait(going)
+            nearer = yield from self._wait(going)
             now = self._footing_after(going)
-            going = self._set_out(now, self._circles(), rate=self._rate)
+            going = self._set_out(now, self._circles(nearer), rate=self._rate)
 
     # Planning
 
@@ -155,10 +158,10 @@ class Trip:
                 seam, made = 0, 0
         return going, not stopping  # pyright: ignore[reportReturnType]
 
-    def _meets(self, going: Journey, made: int) -> bool:
-        """Whether somebody comes too near in the next seconds."""
+    def _meets(self, going: Journey, made: int, nearer: float = 0.0) -> bool:
+        """Whether somebody comes too near in the next seconds; they may come nearer by so many metres."""
         others = self.others()
-        return bool(others) and least(self._ahead(going, made), others) < MET
+        return bool(others) and least(self._ahead(going, made), others) < MET - nearer
 
     @staticmethod
     def _ahead(going: Journey, made: int) -> Array:
@@ -220,24 +223,37 @@ class Trip:
             (shapely.distance(self._things, shapely.LineString(points)) < np.minimum(near, _THINGS) - 1e-6).any()
         )
 
-    def _circles(self) -> list[tuple[float, float, float]]:
-        """Others as circles, where they are."""
-        return [(*other.place.tolist(), _APART - RADIUS) for other in self.others()]
+    def _circles(self, nearer: float = 0.0) -> list[tuple[float, float, float]]:
+        """Others as circles, where they are; one may pass nearer to them by so many metres."""
+        return [(*other.place.tolist(), _APART - RADIUS - nearer) for other in self.others()]
 
-    def _wait(self, going: Journey) -> Iterator[Piece]:
-        """Stand until the way is free."""
+    def _wait(self, going: Journey) -> Iterator[Piece]:  # -> metres
+        """Stand until the way is free; and how much nearer to others the walker goes then, the longer it has stood."""
         last = _piece(going, going.seams[-1] - 1, going.seams[-1])
-        for frame in range(round(_PATIENCE * RATE)):
+        count = round(_PATIENCE * RATE)
+        for frame in range(count):
             yield last
             if frame % _AGAIN:
                 continue
+            nearer = _IMPATIENT * frame / count
             try:
-                ahead = self._set_out(self._footing_after(going), self._circles(), rate=self._rate)
+                ahead = self._set_out(self._footing_after(going), self._circles(nearer), rate=self._rate)
             except NoWay:
                 continue
-            if not self._meets(ahead, 0):
-                return
+            if frame < _POLITE * RATE and self._lets_go(self._ahead(ahead, 0)):
+                continue
+            if not self._meets(ahead, 0, nearer):
+                return nearer
         raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
+
+    def _lets_go(self, own: Array) -> bool:
+        """Whether somebody else who stands by the way is to go first, if they want to: two never both wait, or go."""
+        for other in self.others():
+            away = np.linalg.norm(own - other.place, axis=-1)
+            first = float((other.place - own[0]) @ _FIRST) > 0.0
+            if first and np.linalg.norm(other.velocity) < _STANDS and away[0] < _BESIDE and away.min() < away[0] - 0.02:
+                return True
+        return False
 
     def _footing_after(self, going: Journey) -> Footing:
         """How the walker stands at the end of a walk."""
