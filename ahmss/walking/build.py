@@ -9,7 +9,6 @@ from ahmss.walking.catalogue import MIXED, STRAIGHT, TABLE, Key
 from ahmss.walking.fitting import (
     Pose,
     close_onto_mirror,
-    close_speeds,
     fit_ends,
     fit_speeds,
     wanted_ends,
@@ -38,7 +37,7 @@ def build(
         progress: is told how many are done, of how many.
     """
     planner = Planner(skeleton, stand, gait)
-    straight = close_speeds(close_onto_mirror(_performed(skeleton, stand, gait, planner, STRAIGHT)))
+    straight = close_onto_mirror(_performed(skeleton, stand, gait, planner, STRAIGHT))
     wanted = [key for key in keys if key != STRAIGHT]
     standing = Pose(stand.rotations[:BODY], stand.root)
     clips = {STRAIGHT: straight}

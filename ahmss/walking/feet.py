@@ -147,7 +147,7 @@ def _swung(
     smooth = np.sqrt(sine**2 + (_ROUND * bump) ** 2)
     lowest = height * np.cos(pitch) + 0.5 * (toe + heel) * sine + 0.5 * (toe - heel) * smooth
     lift = gait.clearance + 0.03 * (1.0 - max(step.push, step.strike))
-    out[:, 2] = lowest + lift * bump
+    out[:, 2] = lowest + lift * 16.0 * (u * (1.0 - u)) ** 2
     return out
 
 

@@ -89,8 +89,9 @@ def wanted_speeds(key: Key, straight: WalkClip) -> tuple[Speeds, Speeds]:
     """What speeds any clip but the straight step must begin and end with, so that it goes on smoothly."""
     walking = Speeds.between(_pose(straight, 0), _pose(straight, 1))
     match key.kind:
-        case "start":
-            return STILL, walking.turned(key.direction)
+        case "start":  # as a straight step comes to where the next one begins
+            landing = Speeds.between(_pose(straight, straight.frames - 1), _pose(straight, straight.frames))
+            return STILL, landing.mirrored().turned(key.direction)
         case "end":
             return walking if key.last == "right" else walking.mirrored(), STILL
         case _:

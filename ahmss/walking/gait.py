@@ -28,16 +28,16 @@ class Gait:
     width: float = 0.095
     toe_out: float = 5.0
 
-    push: float = 53.0
+    push: float = 52.0
     strike: float = 20.0
     push_time: float = 0.205
     flat_time: float = 0.16
     peak: float = 0.15  # of the swing, after lift-off: when the foot points down most
     clearance: float = 0.012  # metres
 
-    sink: float = 0.026
+    sink: float = 0.0285
     bob: float = 0.018
-    low: float = -0.05  # of the step, after a foot has landed: when the pelvis is lowest
+    low: float = -0.02  # of the step, after a foot has landed: when the pelvis is lowest
     turn: float = 5.5
     list: float = 4.3
     tilt: float = 1.0
@@ -46,7 +46,7 @@ class Gait:
 
     sway: float = 4.6  # 1/s: how closely the hips follow the foot that bears
     even: float = 3.7  # the same along the way
-    roll: tuple[float, float] = (-0.015, 0.195)  # where under the foot the weight goes from and to, shares of hip height
+    roll: tuple[float, float] = (-0.01, 0.20)  # where under the foot the weight goes from and to, shares of hip height
 
     arm: float = 23.5
     arm_rest: float = 1.0

@@ -18,13 +18,13 @@ __all__ = ["Feet", "Placed", "footsteps"]
 
 _OPEN = np.radians(75.0)  # how far a foot may land turned from the other
 _CLEAR = 0.078  # metres from the middle of one sole to that of the other: two feet's half widths
-_PASSED = 0.045  # the same in passing, when one of them is in the air
+_PASSED = 0.055  # the same in passing, when one of them is in the air
 _FOLLOWS = 0.6  # of a foot's turn that the body has made when it lands; the rest with the other foot
 _WIDER = (1.0, 1.35, 1.7)  # how far apart feet stand in between, of as they stand at last
 _BACK = (0.0, 0.05, -0.05)  # metres by which they stand behind or ahead of it
 _MOST = 6
 _TURNED = 0.35  # metres that a radian of turn in one step counts, where the foot that leads is chosen
-_SWING = np.linspace(0.0, 1.0, 7)[1:-1]
+_SWING = np.linspace(0.0, 1.0, 10)[1:-1]
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ _X, _Y, _Z = np.eye(3)
 _SHIFT = 0.62  # seconds before the first foot lifts in which the weight goes over the other
 _CATCH = 0.55  # seconds after the last has landed until the weight is over both
 _BRAKE = (0.17, 0.9)  # how far ahead of the ankle the last foot to strike is pushed on, share of hip height; seconds
-_STRETCH = 0.9985  # of a leg's length that a leg may have
+_STRETCH = 0.998  # of a leg's length that a leg may have
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ def _too_high(skeleton: Skeleton, hips: Array, root: Array, feet: FootTracks) ->
     level = np.einsum("fsi,fsi->fs", way[..., :2], way[..., :2])
     allowed = np.sqrt(np.maximum((_STRETCH * reach(skeleton)) ** 2 - level, 1e-4))
     over = np.maximum(way[..., 2] - allowed, 0.0).max(axis=1)
-    return _smooth(maximum_filter1d(over, round(0.08 * RATE), mode="nearest"), 0.035)
+    return _smooth(maximum_filter1d(over, round(0.05 * RATE), mode="nearest"), 0.03)
 
 
 def _upper_body(

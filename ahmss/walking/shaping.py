@@ -30,7 +30,7 @@ __all__ = ["Ends", "Footprints", "Line", "Shaped", "Shaping", "shape"]
 
 _UP = np.array([0.0, 0.0, 1.0])
 _TOUCHING = 3e-4  # metres
-_STRETCH = 0.9985  # of a leg's length that a leg may have
+_STRETCH = 0.9988  # of a leg's length that a leg may have; the clips keep to a little less
 _AROUND, _SIGMA = 6, 3.0  # frames before and after in which the hips come down for a leg, and how this is smoothed
 _MARGIN = _AROUND + round(4.0 * _SIGMA)  # frames after one that it depends on
 

@@ -24,6 +24,7 @@ __all__ = ["Ends", "Footprints", "Seen", "Tread", "sole_angles"]
 _UP, _LEFT, _FORWARD = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
 _PIVOTING = np.radians(12.0)  # a foot that turns by more while it bears pivots; by less, it errs
 _LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
+_LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is lifted instead
 _FLAT = 1e-6
 _LEVEL = np.radians(0.5)
 
@@ -210,6 +211,7 @@ class Tread:
 
         height = -soles[0, 2]
         level = height * np.cos(tilted) + own * (ankle[:, 2] - height * np.cos(pitch))
+        level += (1.0 - own) * _LIFTED * 64.0 * (u * (1.0 - u)) ** 3
         nominal = ankle.copy()
         exact = _rolled(stances.place, stances.heading, before, yaw, pitch, soles)
         nominal[bears, :2] = exact[bears, :2]

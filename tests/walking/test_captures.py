@@ -29,16 +29,16 @@ from tests.walking.test_replanting import drift, same
 
 KEYS = [
     Key("start", 0), Key("start", 60), Key("start", 150), Key("end", 0, 0, "normal", "right"),
-    Key("end", 0, 60, "normal", "left"), Key("end", 0, 120, "small", "right"), Key("one_step", 0, 90),
-    Key("one_step", 120, 150, "small"), Key("one_step", 60, -30), Key("two_step", 90, 90), Key("two_step", 180, 30),
-    Key("two_step", 30, -120),
-]  # fmt: skip
+    Key("end", 0, 60, "normal", "left"), Key("end", 0, 30, "small", "left"), Key("one_step", 0, 30),
+    Key("one_step", 120, -120, "small"), Key("one_step", 60, -30), Key("two_step", 60, 30), Key("two_step", 180, 180),
+    Key("two_step", 30, 30),
+]  # fmt: skip  # who turns by more takes more footsteps than two or three
 
 
 @cache
 def fallback() -> Library:
     keys = [key for key in TABLE if key.kind in ("start", "end")]
-    steps = [key for key in KEYS if key.kind.endswith("_step")] + [Key("one_step", 90), Key("two_step", 30, -90)]
+    steps = [key for key in KEYS if key.kind.endswith("_step")] + [Key("one_step", 90, -90), Key("two_step", 30, -30)]
     short = [replace(key, stride=stride) for key in steps for stride in ("normal", "small")]
     return build(HUMAN, STAND, keys=[*keys, *short])
 
@@ -101,7 +101,7 @@ def folder(tmp_path):
     under.mkdir()
     for name, key, degrees, seen in (
         ("a", Key("start", 60), 10.0, False), ("b", Key("end", 0, 60, "normal", "left"), 100.0, True),
-        ("more/c", Key("one_step", 90, 0, "small"), -140.0, True), ("d", Key("two_step", 30, -90), 0.0, False),
+        ("more/c", Key("one_step", 90, -90, "small"), -140.0, True), ("d", Key("two_step", 30, -30), 0.0, False),
     ):  # fmt: skip
         save_clip(recorded(key, degrees, seen), tmp_path / f"{name}.npz")
     save_clip(part(recorded(Key("start", 0)), 0, 30), tmp_path / "stand.npz")
@@ -122,14 +122,14 @@ def test_a_folder_becomes_a_library_and_every_key_is_accounted_for(folder):
     filled = {one.key: one for one in report.filled}
     captured = {
         STRAIGHT, Key("start", 0), Key("start", 60), Key("end", 0, 60, "normal", "left"),
-        Key("one_step", 90, 0, "small"), Key("two_step", 30, -90),
+        Key("one_step", 90, -90, "small"), Key("two_step", 30, -30),
     }  # fmt: skip
     assert captured <= set(filled)
     assert filled[Key("start", 60)].file == "a.npz"
     assert filled[Key("start", 60)].direction == pytest.approx(60.0, abs=6.0)
     assert filled[Key("end", 0, 60, "normal", "left")].mirrored
     assert filled[Key("end", 0, 60, "normal", "left")].facing == pytest.approx(-60.0, abs=6.0)
-    assert filled[Key("one_step", 90, 0, "small")].direction == pytest.approx(-90.0, abs=6.0)
+    assert filled[Key("one_step", 90, -90, "small")].direction == pytest.approx(-90.0, abs=6.0)
 
     every = (*TABLE, *MIXED)
     counted = [*filled, *report.fallback, *report.missing]
@@ -252,7 +252,7 @@ def test_a_turn_in_walking_is_found_and_is_no_clip(turn, side):
 def test_a_fallback_that_fits_already_is_taken_as_it_is(tmp_path):
     path = save_clip(recorded(Key("one_step", 0, 0)), tmp_path / "a.npz")
     library, _ = gather([path], HUMAN, STANDING, fallback())
-    assert library.clips[Key("one_step", 0, 90)].rotations is fallback().clips[Key("one_step", 0, 90)].rotations
+    assert library.clips[Key("one_step", 0, 30)].rotations is fallback().clips[Key("one_step", 0, 30)].rotations
     own = fallback().clips[STRAIGHT]
     limping = replace(own, rotations=np.roll(own.rotations, 2, axis=0))
     other = replace(fallback(), clips={**fallback().clips, STRAIGHT: limping})

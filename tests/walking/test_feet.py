@@ -28,14 +28,6 @@ STRAIGHT_PLAN = Footsteps(
     ],
     3.0,
 )  # fmt: skip
-PIVOT_PLAN = Footsteps(
-    (Frame(0.0, -0.08, -0.08), Frame(0.0, 0.08, 0.08)), 0.0,
-    [
-        Step(LEFT, Frame(0.0, 0.15, 1.4), 0.6, 1.0, 0.9, pivot=0.6),
-        Step(RIGHT, Frame(-0.15, 0.12, 1.6), 1.2, 1.6, 1.6),
-    ],
-    2.4,
-)  # fmt: skip
 
 
 def planned(key: Key) -> Footsteps:
@@ -44,7 +36,6 @@ def planned(key: Key) -> Footsteps:
 
 PLANS = {
     "straight": STRAIGHT_PLAN,
-    "pivot": PIVOT_PLAN,
     "walk": planned(STRAIGHT),
     "turn": planned(Key("one_step", 90, 150)),
     "back": planned(Key("two_step", 180, -60)),
@@ -88,8 +79,6 @@ def test_feet_land_where_the_plan_says(name: str) -> None:
         own = [step for step in plan.steps if step.foot == foot]
         first, last = plan.feet[foot], own[-1].landing
         np.testing.assert_allclose(found.ankles[0, foot, :2], [first.x, first.y], atol=1e-9)
-        pivots = [s.pivot for s in plan.steps if s.foot != foot and s.lift >= own[-1].land]
-        last = last.pivoted(float(HUMAN.soles[2, 0]), sum(pivots))
         np.testing.assert_allclose(found.ankles[1, foot, :2], [last.x, last.y], atol=2e-3)
         ahead = rotate(found.rotations[1, foot], np.array([1.0, 0.0, 0.0]))
         assert np.cos(last.heading) * ahead[0] + np.sin(last.heading) * ahead[1] > 0.9999
@@ -126,14 +115,3 @@ def test_the_heel_strikes_first_and_the_toe_leaves_last() -> None:
     assert toe > heel + 0.03
     heel, _, toe = points[left, RIGHT, :, 2]
     assert heel > toe + 0.08
-
-
-def test_a_pivot_is_on_the_toe() -> None:
-    found, points, times = made("pivot", 240.0)
-    during = (times > 0.6) & (times < 1.0)
-    toe = points[during, RIGHT, 2]
-    assert np.linalg.norm(toe - toe[0], axis=-1).max() < 1e-3
-    heading = rotate(found.rotations[:, RIGHT], np.array([1.0, 0.0, 0.0]))
-    yaw = np.unwrap(np.arctan2(heading[:, 1], heading[:, 0]))
-    assert yaw[np.searchsorted(times, 1.05)] - yaw[0] == pytest.approx(0.6, abs=0.01)
-    assert points[during, RIGHT, 0, 2].max() > 0.02

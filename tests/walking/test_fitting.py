@@ -219,7 +219,7 @@ def test_a_straight_step_goes_on_at_the_speeds_at_which_it_began():
 def test_what_clips_must_join():
     straight, standing = close_onto_mirror(smooth_clip(STRAIGHT, 1)), pose_of(2)
     landing = Pose(straight.rotations[0], straight.root[0])
-    begun = speeds_of(straight, 0)
+    begun, arriving = speeds_of(straight, 0), speeds_of(straight, straight.frames - 1)
 
     first, last = wanted_ends(Key("start", 60), straight, standing)
     assert first is standing
@@ -227,8 +227,9 @@ def test_what_clips_must_join():
     assert np.abs(last.root - turned(landing, 60.0).root).max() < EXACT
     still, walking = wanted_speeds(Key("start", 90), straight)
     assert still is STILL
-    np.testing.assert_allclose(walking.root, [-begun.root[1], begun.root[0], begun.root[2]], atol=EXACT)
-    np.testing.assert_array_equal(walking.joints, begun.joints)
+    # As the straight before comes to land, which is this one's mirror image; turned by 90 degrees.
+    np.testing.assert_allclose(walking.root, [arriving.root[1], arriving.root[0], arriving.root[2]], atol=EXACT)
+    np.testing.assert_array_equal(walking.joints, arriving.mirrored().joints)
 
     for side, expected in (("right", landing), ("left", Pose(*mirror(*landing)))):
         first, last = wanted_ends(Key("end", 0, 120, "small", side), straight, standing)

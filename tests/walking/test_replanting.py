@@ -95,7 +95,7 @@ def test_what_fits_already_stays():
     own = raw(Key("start", 60))
     planted = replanted(HUMAN, own, own)
     assert np.abs(points(planted) - points(own)).max() < 0.002
-    assert drift(planted) < 1e-4
+    assert drift(planted) < 2e-4
 
 
 def test_a_stance_in_the_middle_is_moved_as_a_whole():
@@ -154,7 +154,7 @@ def test_a_straight_step_is_closed_with_its_footprints():
         assert -2.0 * heading(after[k, 0]) == pytest.approx(turned_out, abs=0.6)
     assert np.ptp(step.root[:, 1] - cut.root[:, 1]) < 0.02
     middle = 0.25 * (before[0, 1, 1] + before[-1, 1, 1] + 2.0 * before[12, 0, 1])
-    assert step.root[18, 1] == pytest.approx(cut.root[18, 1] - middle, abs=0.01)
+    assert step.root[18, 1] == pytest.approx(cut.root[18, 1] - middle, abs=0.012)
     # It goes on as its own mirror image: the foot that landed last is where its mirror image landed first.
     places = points(step)
     ahead = np.array([step.root[-1, 0] - step.root[0, 0], 0.0, 0.0])

@@ -95,7 +95,7 @@ def test_on_a_curve_the_body_turns_with_it_and_feet_stay(side: float) -> None:
     made = shaped(nominal, course, facing=facing)
     assert np.linalg.norm(made.root[-1, :2] - course.points[-1]) < 0.005
     away = np.abs(np.linalg.norm(made.root[:, :2] - [0.0, side * 1.5], axis=-1) - 1.5)
-    np.testing.assert_allclose(away, np.abs(nominal.root[:, 1]), atol=1e-5)
+    np.testing.assert_allclose(away, np.abs(nominal.root[:, 1]), atol=1e-4)
     body = m.subject(m.library().human)
     rotations = np.repeat(body.rotations[None], len(made.root), axis=0)
     rotations[:, :BODY] = made.rotations
