@@ -28,6 +28,7 @@ __all__ = ["SPOT", "Footing", "Journey", "Standing", "Stride", "footing", "journ
 _FORWARD = np.array([1.0, 0.0, 0.0])
 _MIRROR = np.array([1.0, -1.0, 1.0])
 SPOT = 0.02  # metres: who goes less far turns on the spot
+_SAME_SIZE = 0.01  # by which one walks at the clips' own pace; who is smaller makes quicker steps
 _SLOWEST, _FASTEST = 0.66, 1.4  # of the clips' cadence, that people still walk at
 _TAKEN_OVER = 30  # frames of the clips in which a new walk takes over; the foot that swings lands after 34
 _EASED, _HELD = 30, 120  # frames in which who makes way changes the cadence, and for which it is kept
@@ -133,10 +134,11 @@ def journey(
     lengths = measured(candidates(d, f), lambda key: scale * length_of(clip_of(library, key)))
     chosen = select(lengths, max(way.length, 1e-4))
     nominal = join(woven(library, d, f, chosen, mirror=mirror), scale)
-    natural = len(nominal.root) - 1
+    clips = len(nominal.root) - 1
+    natural = clips if abs(scale - 1.0) < _SAME_SIZE else round(clips * float(np.sqrt(scale)))  # Froude
     fewest, most = int(np.ceil(natural / _FASTEST)), int(natural / _SLOWEST)
     count = int(np.clip(frames, fewest, most)) if frames else natural
-    nominal, rates = _at_times(nominal, np.linspace(0.0, natural, count + 1))
+    nominal, rates = _at_times(nominal, np.linspace(0.0, clips, count + 1))
     sign = -1.0 if mirror else 1.0
     x = nominal.root[list(nominal.seams), 0]
     one = len(x) == 2
