@@ -31,7 +31,7 @@ _NEAR = 2.3  # metres: whom one goes round from the beginning
 _TRIED = 4  # ways out that are looked at closely
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 _AGAIN = 12  # frames after which who waits looks again
-_POLITE, _BESIDE, _STANDS = 2.5, 2.2, 0.1  # seconds that one lets others go first, who are so near and so slow (m/s)
+_POLITE, _BESIDE, _STANDS = 4.0, 2.2, 0.1  # seconds that one lets others go first, who are so near and so slow (m/s)
 _FIRST = np.array([0.8, 0.6])  # who stands further that way goes first: any way serves
 _IMPATIENT = 0.25  # metres: how much nearer one goes in the end
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
@@ -247,11 +247,11 @@ class Trip:
         raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
 
     def _lets_go(self, own: Array) -> bool:
-        """Whether somebody else who stands by the way is to go first, if they want to: two never both wait, or go."""
+        """Whether somebody who stands ahead is to go first, if they want to: of two only one waits for the other."""
         for other in self.others():
-            away = np.linalg.norm(own - other.place, axis=-1)
-            first = float((other.place - own[0]) @ _FIRST) > 0.0
-            if first and np.linalg.norm(other.velocity) < _STANDS and away[0] < _BESIDE and away.min() < away[0] - 0.02:
+            way = other.place - own[0]
+            stands = np.linalg.norm(other.velocity) < _STANDS and np.linalg.norm(way) < _BESIDE
+            if stands and way @ _FIRST > 0.0 and way @ (own[-1] - own[0]) > 0.0:
                 return True
         return False
 

@@ -1,0 +1,131 @@
+"""What a walker knows of others, what it may do about them, and how it turns in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from ahmss.body.array import Array
+from ahmss.walking.course import Course, NoWay, plan
+from ahmss.walking.makingway import LOOKED, MET, Option, Walker, cut, least, options, turned_into
+
+STILL = np.zeros(2)
+STOPS = (0.42, 0.62, 0.77)
+
+
+def straight(length: float = 6.0, heading: float = 0.0, since: tuple[float, float] = (0.0, 0.0)) -> Course:
+    s = np.linspace(0.0, length, int(length / 0.02) + 1)
+    points = np.array(since) + s[:, None] * np.array([np.cos(heading), np.sin(heading)])
+    return Course(points, np.full(len(s), heading), length)
+
+
+def around(place: Array, heading: float, circles: Sequence[tuple[float, float, float]]) -> Course:
+    rings = [(x, y, r - 0.27) for x, y, r in circles]
+    return plan(place, np.array([6.0, 0.0]), [], radius=0.27, circles=rings, start_heading=heading)
+
+
+def best(other: Walker, rest: Course | None = None) -> Option:
+    rest = rest or straight()
+    return options(rest.at(1.2 * LOOKED)[0], rest, STOPS, 1.2, [other], around)[0]
+
+
+def seen(*legs: tuple[float, tuple[float, float]], rate: float = 60.0) -> Walker:
+    """Somebody who walked for so many seconds at one velocity after the other."""
+    velocities = np.concatenate([np.repeat([v], round(seconds * rate), axis=0) for seconds, v in legs])
+    places = np.concatenate([np.zeros((1, 2)), np.cumsum(velocities / rate, axis=0)])
+    return Walker.of(np.arange(len(places)) / rate, places)
+
+
+def test_a_speed_is_that_of_the_last_step() -> None:
+    other = seen((0.5, (0.0, 0.0)), (1.0, (0.6, -0.8)))
+    np.testing.assert_allclose(other.velocity, [0.6, -0.8])
+    np.testing.assert_allclose(other.after(np.array(2.0)) - other.place, [1.2, -1.6])
+    assert not other.stops
+
+
+def test_who_has_just_set_out_is_as_fast_as_now() -> None:
+    np.testing.assert_allclose(seen((0.5, (0.0, 0.0)), (0.2, (0.0, 1.0))).velocity, [0.0, 1.0], atol=1e-9)
+
+
+def test_who_gets_slow_is_about_to_stop() -> None:
+    other = seen((0.5, (1.2, 0.0)), (0.2, (0.5, 0.0)))
+    assert other.stops
+    way = (other.after(LOOKED) - other.place)[:, 0]
+    assert (np.diff(way) > 0.0).all()
+    assert way[-1] == pytest.approx(0.15, abs=0.01)
+
+
+def test_once_seen_one_stands() -> None:
+    other = Walker.of(np.array([1.0]), np.array([[2.0, 3.0]]))
+    np.testing.assert_array_equal(other.after(LOOKED), np.repeat([[2.0, 3.0]], len(LOOKED), axis=0))
+
+
+def test_who_comes_no_nearer_does_not_count() -> None:
+    own = straight().at(1.2 * LOOKED)[0]
+    beside = Walker(np.array([0.0, 0.4]), np.array([1.2, 0.0]))
+    assert least(own, [beside]) == np.inf
+    assert least(own, [beside, Walker(np.array([2.0, 0.3]), STILL)]) == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize("aside", [-0.05, 0.0, 0.15])
+def test_who_comes_towards_one_is_passed_on_the_right(aside: float) -> None:
+    chosen = best(Walker(np.array([5.0, aside]), np.array([-1.2, 0.0])))
+    assert not chosen.stops
+    assert chosen.course.points[:, 1].min() < -0.3
+    assert chosen.course.points[:, 1].max() < 0.05
+
+
+def test_nobody_near_changes_nothing() -> None:
+    rest = straight()
+    chosen = best(Walker(np.array([3.0, 2.0]), STILL), rest)
+    assert chosen.course is rest
+    assert (chosen.slow, chosen.stops, chosen.cost) == (1.0, False, 0.0)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_crosses_just_before_one_is_let_by(side: float) -> None:
+    """They would meet after 2 s."""
+    other = Walker(np.array([2.4, -1.7 * side]), np.array([0.0, 1.0 * side]))
+    chosen = best(other)
+    assert not chosen.stops
+    own = chosen.course.at(1.2 * chosen.slow * LOOKED)[0]
+    assert least(own, [other]) > MET - 0.05
+    met = np.linalg.norm(own - other.after(LOOKED), axis=-1).argmin()
+    assert side * (own - other.after(LOOKED))[met, 1] < 0.0  # behind them
+
+
+def test_where_there_is_no_way_round_one_stops() -> None:
+    def nowhere(*_: object) -> Course:
+        raise NoWay("closed")
+
+    rest = straight()
+    chosen = options(rest.at(1.2 * LOOKED)[0], rest, STOPS, 1.2, [Walker(np.array([1.7, 0.0]), STILL)], nowhere)[0]
+    assert chosen.stops
+    assert 1.7 - chosen.course.length > MET
+
+
+def test_what_is_left_of_a_course() -> None:
+    rest = cut(straight(4.0, 0.5), 1.5, 2.5)
+    np.testing.assert_allclose(rest.points[[0, -1]], np.outer([1.5, 4.0], [np.cos(0.5), np.sin(0.5)]), atol=1e-9)
+    assert rest.length == 2.5
+    assert np.linalg.norm(cut(straight(1.0), 0.5, 2.0).points[-1]) == pytest.approx(2.5)  # goes on straight
+
+
+@pytest.mark.parametrize("towards", [-1.0, -0.5, 0.0, 0.4, 1.0])
+def test_one_turns_in_gently(towards: float) -> None:
+    heading = 0.3
+    course = straight(5.0, heading + towards, (0.3 * np.cos(heading), 0.3 * np.sin(heading)))
+    made = turned_into(STILL, heading, course)
+    assert made is not None
+    np.testing.assert_allclose(made.points[[0, -1]], [STILL, course.points[-1]], atol=1e-9)
+    assert made.heading[0] == pytest.approx(heading, abs=0.01)
+    assert made.heading[-1] == pytest.approx(heading + towards, abs=1e-3)
+    bend = np.gradient(made.heading, made.length / (len(made.points) - 1))
+    assert np.abs(bend).max() < 1 / 0.6
+    assert np.abs(bend[:2]).max() < 0.25  # it begins straight
+
+
+def test_one_does_not_turn_about_in_walking() -> None:
+    assert turned_into(STILL, 0.0, straight(3.0, 2.9, (0.3, 0.0))) is None
