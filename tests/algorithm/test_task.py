@@ -177,6 +177,19 @@ def test_what_moves_is_seen(make_start):
         task.see(np.zeros(191))
 
 
+def test_where_other_humans_were_is_remembered(make_start):
+    other = ObjectRecord(-4, "aiko", "human", (1.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    tap = ObjectRecord(9, "tap", "tap", (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 0.0))
+    task = HumanTask(make_start(world=[other, tap]))
+    for k in (1, 2, 5):
+        row = np.zeros(190)
+        row[0] = k
+        moved = [[-4, 1 + 0.1 * k, 2, 0, 1, 0, 0, 0], [9, k, 0, 0, 1, 0, 0, 0]]
+        task.see(np.concatenate([row, np.ravel(moved).astype(float)]))
+    assert [tuple(map(float, at)) for at in task.world[-4].seen] == [(1.0, 1.1, 2.0), (2.0, 1.2, 2.0), (5.0, 1.5, 2.0)]
+    assert not task.world[9].seen
+
+
 def test_what_an_object_occupies_goes_where_it_goes(make_start):
     ring = [(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)]
     door = ObjectRecord(9, "door", "door", (1.0, 1.0, 0.5), (1.0, 0.0, 0.0, 0.0), footprint=[ring])
