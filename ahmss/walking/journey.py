@@ -138,9 +138,9 @@ def journey(
     natural = clips if abs(scale - 1.0) < _SAME_SIZE else round(clips * float(np.sqrt(scale)))  # Froude
     fewest, most = int(np.ceil(natural / _FASTEST)), int(natural / _SLOWEST)
     count = int(np.clip(frames, fewest, most)) if frames else natural
+    x = nominal.root[list(nominal.seams), 0]
     nominal, rates = _at_times(nominal, np.linspace(0.0, clips, count + 1))
     sign = -1.0 if mirror else 1.0
-    x = nominal.root[list(nominal.seams), 0]
     one = len(x) == 2
     line = Line(
         way, length=float(x[-1]), first=float(x[-1] if one else x[1]), last=float(x[-1] if one else x[-2]),
@@ -209,8 +209,8 @@ def onward(
     end = Key("end", 0, -f if mirror else f, chosen.stride, chosen.last)
     nominal = join([*clips, clip_of(library, end)], scale)
     natural = len(nominal.root) - 1
-    nominal, rates = _at_times(nominal, _changing(natural, now.rate, rate, slow))
     x = nominal.root[list(nominal.seams), 0]
+    nominal, rates = _at_times(nominal, _changing(natural, now.rate, rate, slow))
     line = Line(
         way, length=float(x[-1]), first=0.0, last=float(x[-2]), start=1.0, end=chosen.end_ratio,
         turn_first=_wrapped(now.heading - float(course.heading[0])),
