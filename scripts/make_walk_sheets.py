@@ -1,0 +1,116 @@
+"""Contact sheets of walking, to be looked at: from the side and from above, of both humans, in out/walk/.
+
+    python scripts/make_walk_sheets.py [CAPTURE.bvh]
+
+A straight walk, a start to the left, a step aside, a walk round the table; and of a capture, if one is named, the same
+views of the person who performed it.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ahmss.motion.clip import load
+
+ROOT = Path(__file__).parents[1]
+OUT = ROOT / "out" / "walk"
+AHMSS = [sys.executable, "-m", "ahmss"]
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A walk: the scene, where the human stands at first, what it does; cameras that look at a place."""
+
+    scene: str
+    at: str
+    do: str
+    side: Place
+    above: Place
+    looks_at: Place
+    every: int
+
+
+CASES = {
+    "straight": Case("floor", "-1.5 0", "floor walk to 1.5 0", (0.0, -5.0, 1.1), (0.0, -0.1, 5.0), (0.0, 0.0, 0.85), 9),
+    "start_90": Case("floor", "0 -0.9", "floor walk to 0 0.9", (3.8, 0.0, 1.2), (-0.1, 0.0, 4.0), (0.0, 0.0, 0.85), 7),
+    "aside": Case(
+        "floor", "0 0", "floor walk to 0 -0.3 facing 0", (2.7, -0.15, 1.1), (-0.1, -0.15, 3.2), (0.0, -0.15, 0.85), 7
+    ),
+    "round_the_table": Case(
+        "room", "-1.0 1.2", "floor walk to 1.75 -0.1 facing 180", (0.2, 3.7, 2.0), (0.6, 0.6, 5.6), (0.7, 0.5, 0.6), 12
+    ),
+}  # fmt: skip
+
+
+def run(*arguments: str) -> None:
+    """One `ahmss` command; what it says is shown where it fails."""
+    done = subprocess.run([*AHMSS, *arguments], capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"ahmss {' '.join(arguments)}\n{done.stdout}{done.stderr}")
+
+
+def sheets(recording: Path, name: str, case: Case) -> None:
+    """Both views of a recording."""
+    looked_at = ["--look-at", *map(str, case.looks_at)]
+    for view, camera in (("side", case.side), ("above", case.above)):
+        target = OUT / f"{name}_{view}.png"
+        size = "420x300" if view == "side" else "300x300"
+        run(
+            "view", str(recording), "--headless", "--sheet", str(target), "--every", str(case.every), "--size", size,
+            "--position", *map(str, camera), *looked_at,
+        )  # fmt: skip
+        print(f"wrote {target.relative_to(ROOT)}")
+
+
+def walk(folder: Path, human: str, name: str, case: Case) -> None:
+    """A walk of ours."""
+    script, recording = folder / "walk.txt", folder / "walk.rec"
+    script.write_text(f"add {case.scene}\nhuman {human} body {human} at {case.at}\ndo {case.do}\n")
+    run("play", str(script), "--fast", "--record", str(recording))
+    sheets(recording, f"{human}_{name}", case)
+
+
+def capture(folder: Path, file: Path) -> None:
+    """A captured walk, from the same side and from above."""
+    home = folder / "lab"
+    run("init", str(home))
+    clip = home / "objectdb" / "floor" / "captured.npz"
+    run("motion", "import", str(file), "--body", "aiko", "-o", str(clip))
+    motion = load(clip)
+    middle = 0.5 * (motion.root[0, :2] + motion.root[-1, :2])
+    length = float(np.linalg.norm(motion.root[-1, :2] - motion.root[0, :2]))
+    with (home / "objectdb" / "floor" / "object.toml").open("a") as record:
+        record.write(
+            '\n[affordances.captured]\nhuman_algorithm = "playback"\nmotion = "captured.npz"\n'
+            f"frames = {round(motion.duration * 60)}\n"
+        )
+    script, recording = folder / "captured.txt", folder / "captured.rec"
+    script.write_text(f"add floor\nhuman aiko body aiko at {-middle[0]:.3f} {-middle[1]:.3f}\ndo floor captured\n")
+    run("play", str(script), "--workspace", str(home), "--fast", "--record", str(recording))
+    far = 1.0 + 0.95 * length
+    case = CASES["straight"]
+    sheets(recording, f"captured_{file.stem}", Case(
+        case.scene, "", "", (0.0, -far, 1.1), (0.0, -0.1, 1.5 + 0.9 * length), case.looks_at, case.every
+    ))  # fmt: skip
+
+
+def main() -> None:
+    """All sheets."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="ahmss-walk-") as folder:
+        for human in ("ken", "aiko"):
+            for name, case in CASES.items():
+                walk(Path(folder), human, name, case)
+        if len(sys.argv) > 1:
+            capture(Path(folder), Path(sys.argv[1]))
+
+
+if __name__ == "__main__":
+    main()
