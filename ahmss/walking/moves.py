@@ -17,8 +17,8 @@ from ahmss.walking.footsteps import LEFT, RIGHT, Frame
 __all__ = ["Feet", "Placed", "footsteps"]
 
 _OPEN = np.radians(75.0)  # how far a foot may land turned from the other
-_CLEAR = 0.078  # metres from the middle of one sole to that of the other: two feet's half widths
-_PASSED = 0.055  # the same in passing, when one of them is in the air
+_CLEAR = 0.09  # metres from the middle of one sole to that of the other: two feet's half widths
+_PASSED = 0.065  # the same in passing, when one of them is in the air
 _FOLLOWS = 0.6  # of a foot's turn that the body has made when it lands; the rest with the other foot
 _WIDER = (1.0, 1.35, 1.7)  # how far apart feet stand in between, of as they stand at last
 _BACK = (0.0, 0.05, -0.05)  # metres by which they stand behind or ahead of it

@@ -108,7 +108,7 @@ class Planner:
         if abs(abs(turn) - np.pi) < 1e-6:
             turn = np.pi if facing >= 0.0 else -np.pi
         length = {1: (0.80, 0.42), 2: (1.70, 0.90)}[steps][small] * self.step
-        length *= _ellipse(direction - 0.5 * turn) * (1.0 - 0.35 * abs(turn) / np.pi)
+        length *= _ellipse(direction - 0.5 * turn) * (1.0 - (0.6 if small else 0.35) * abs(turn) / np.pi)
         goal = Frame(float(length * np.cos(direction)), float(length * np.sin(direction)), turn)
         plan = self._timed(footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), goal, steps + 1))
         return Take(plan, 0.0, plan.seconds, direction)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
+from scipy.special import erf
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
@@ -32,6 +33,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 _TOUCHING = 3e-4  # metres
 _STRETCH = 0.9988  # of a leg's length that a leg may have; the clips keep to a little less
 _AROUND, _SIGMA = 6, 3.0  # frames before and after in which the hips come down for a leg, and how this is smoothed
+_COVERED = float(erf((_AROUND + 0.5) / (_SIGMA * np.sqrt(2.0))))  # of a frame's need, after smoothing
 _MARGIN = _AROUND + round(4.0 * _SIGMA)  # frames after one that it depends on
 
 
@@ -192,4 +194,5 @@ def _lowered(over: Array) -> Array:
     """By how much the hips come down (F,), so that they do so smoothly, for what they are too high."""
     if not over.any():
         return over
-    return gaussian_filter1d(maximum_filter1d(over, 2 * _AROUND + 1, mode="nearest"), _SIGMA, mode="nearest")
+    highest = maximum_filter1d(over, 2 * _AROUND + 1, mode="nearest")
+    return gaussian_filter1d(highest, _SIGMA, mode="nearest") / _COVERED

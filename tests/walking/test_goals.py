@@ -20,8 +20,8 @@ from ahmss.walking.mirroring import mirror
 from . import measures as m
 from .measures import HUMANS, Goal, Walk
 
-_GRAZED = 2  # frames in which a swinging foot may pass over the toe or heel of the other, both low
-_LONG = 8.0  # metres from which speeds are judged
+_GRAZED = 4  # frames in which a swinging foot may pass over the toe or heel of the other, both low
+_LONG = 12.0  # metres from which speeds are judged: less is starting, turning and stopping for the most part
 
 
 @lru_cache(maxsize=64)
