@@ -98,8 +98,9 @@ class Planner:
         short = (0.52 if small else 0.95) * (1.0 - 0.4 * abs(facing) / np.pi)
         body = Frame(landed.landing.x - self._feet.own[0].x, 0.0, 0.0)
         goal = Frame(body.x + short * self.step, 0.0, facing)
-        standing = placed[-1].landing, placed[-2].landing
-        closing = footsteps(self._feet, standing if last == RIGHT else standing[::-1], body, goal, 2, 1 - last)
+        own, other = placed[-1].landing, placed[-2].landing
+        standing = (own, other) if last == RIGHT else (other, own)
+        closing = footsteps(self._feet, standing, body, goal, 2, 1 - last)
         plan = self._timed([*placed, *closing])
         return Take(plan, plan.steps[len(placed) - 1].land, plan.seconds)
 
