@@ -1,9 +1,9 @@
 """Contact sheets of walking, to be looked at: from the side and from above, of both humans, in out/walk/.
 
-    python scripts/make_walk_sheets.py [CAPTURE.bvh]
+    python scripts/make_walk_sheets.py [CAPTURE.bvh | --docs]
 
 A straight walk, a start to the left, a step aside, a walk round the table; and of a capture, if one is named, the same
-views of the person who performed it.
+views of the person who performed it. `--docs` makes docs/pictures/walk.png out of some of them.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from ahmss.motion.clip import load
 
@@ -101,8 +102,44 @@ def capture(folder: Path, file: Path) -> None:
     ))  # fmt: skip
 
 
+def picture(folder: Path) -> None:
+    """A few pictures of each walk, for the documentation."""
+    rows: list[Image.Image] = []
+    for human, name, first, every in (
+        ("aiko", "straight", 92, 8), ("ken", "start_90", 30, 14), ("aiko", "aside", 30, 14),
+        ("ken", "round_the_table", 60, 44),
+    ):  # fmt: skip
+        case = CASES[name]
+        script, recording = folder / "walk.txt", folder / "walk.rec"
+        script.write_text(f"add {case.scene}\nhuman {human} body {human} at {case.at}\ndo {case.do}\n")
+        run("play", str(script), "--fast", "--record", str(recording))
+        camera = case.above if name == "round_the_table" else (case.side[0] * 0.9, case.side[1] * 0.9, case.side[2])
+        tiles: list[Image.Image] = []
+        for number in range(7):
+            shot = folder / "shot.png"
+            at = f"{(first + number * every) / 60:.3f}"
+            run(
+                "view", str(recording), "--headless", "--snapshot", str(shot), "--at", at, "--size", "230x250",
+                 "--position", *map(str, camera), "--look-at", *map(str, case.looks_at),
+            )  # fmt: skip
+            tiles.append(Image.open(shot).convert("RGB"))
+        row = Image.new("RGB", (len(tiles) * 232 - 2, 250), "white")
+        for number, tile in enumerate(tiles):
+            row.paste(tile, (number * 232, 0))
+        rows.append(row)
+    page = Image.new("RGB", (rows[0].width, len(rows) * 252 - 2), "white")
+    for number, row in enumerate(rows):
+        page.paste(row, (0, number * 252))
+    page.quantize(128).save(ROOT / "docs" / "pictures" / "walk.png", optimize=True)
+    print("wrote docs/pictures/walk.png")
+
+
 def main() -> None:
     """All sheets."""
+    if sys.argv[1:] == ["--docs"]:
+        with tempfile.TemporaryDirectory(prefix="ahmss-walk-") as folder:
+            picture(Path(folder))
+        return
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="ahmss-walk-") as folder:
         for human in ("ken", "aiko"):
