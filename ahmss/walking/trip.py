@@ -81,7 +81,7 @@ class Trip:
 
     def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
         self.standing = Standing.of(self.skeleton, self.library)
-        self._rate = 1.0  # frames of the clips that pass in one
+        self._rate = self._pace = 1.0  # frames that pass in one: of the clips, and of a natural walk
         self._things = np.array([shapely.Polygon(ring) for ring in self.ground.outlines if len(ring) > 2], dtype=object)
 
     def pieces(self, rotations: Array, root: Array) -> Iterator[Piece]:
@@ -93,14 +93,14 @@ class Trip:
         now = footing(self.skeleton, rotations, root, self.standing)
         going = self._begun(now)
         self._say_frames(going)
-        self._rate = float(going.rates[0]) if len(going.rates) else 1.0
+        self._rate, self._pace = float(going.rates[0]), going.natural / len(going.rates)
         while True:
             going, over = yield from self._steps(going)
             if over:
                 return
             nearer = yield from self._wait(going)
             now = self._footing_after(going)
-            going = self._set_out(now, self._circles(nearer), rate=self._rate)
+            going = self._set_out(now, self._circles(nearer), pace=self._pace)
 
     # Planning
 
@@ -113,16 +113,16 @@ class Trip:
         return self._set_out(now, frames=self.frames)
 
     def _set_out(
-        self, now: Footing, circles: Sequence[tuple[float, float, float]] = (), frames: int = 0, rate: float = 1.0
+        self, now: Footing, circles: Sequence[tuple[float, float, float]] = (), frames: int = 0, pace: float = 1.0
     ) -> Journey:
         course = self._course(now.place, now.heading, circles)
         facing = float(course.heading[-1]) if self.facing is None else self.facing
         if self.facing is None and course.length < SPOT:
             facing = now.heading
         made = journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
-        if rate == 1.0:
+        if pace == 1.0:
             return made
-        frames = round(made.natural / rate)
+        frames = round(made.natural / pace)
         return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
 
     def _course(self, place: Array, heading: float, circles: Sequence[tuple[float, float, float]]) -> Course:
@@ -237,7 +237,7 @@ class Trip:
                 continue
             nearer = _IMPATIENT * frame / count
             try:
-                ahead = self._set_out(self._footing_after(going), self._circles(nearer), rate=self._rate)
+                ahead = self._set_out(self._footing_after(going), self._circles(nearer), pace=self._pace)
             except NoWay:
                 continue
             if frame < _POLITE * RATE and self._lets_go(self._ahead(ahead, 0)):
