@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from statistics import median
 from typing import Literal
 
 from ahmss.capture.formats.losses import Losses
@@ -19,6 +22,9 @@ _WRAP = 1 << 32  # devices count in 32 bits
 _OFF = 1.2  # sweeps by which a number may be behind the time
 _SETTLED = 8  # sweeps until the earliest arrivals are known
 _LASTING = 4  # sweeps of delay that are a loss, where other lines go on
+_DRIFT, _DRIFT_STRICT = 0.0005, 0.005  # periods a period by which clocks are taken to differ
+_LATELY = 9  # arrivals by whose median a line is slow
+_SLOW = 1.25  # periods a sweep from which it is
 _BELIEVED = 3  # so many records that agree on another frame number are right
 
 
@@ -184,31 +190,56 @@ class _SweepClock:
     """Numbers sweeps that carry no count: one after the other, and a gap where time has gone by without any.
 
     Arrivals are late at times, never early, so the earliest are believed: `base`, when sweep 0 would have come by them.
-    It may drift by 0.5 % of a period a sweep, as clocks differ. What comes in a burst after a stall of this machine is
-    no loss. A strict clock keeps a line in step with others: it also holds back a device that is too fast, and leaves a
-    gap only where the delay lasts, as after a stall of a moment it would have to make up for it.
+    It may drift a little, as clocks differ, and no more: what comes before its time by these numbers was numbered too
+    high after something late, and to believe that, too, would make time run fast with every delay. What comes in a
+    burst after a stall of this machine is no loss. A strict clock keeps a line in step with others: it also holds back
+    a device that is too fast, and leaves a gap only where the delay lasts, as after a stall of a moment it would have
+    to make up for it. One that is not strict takes a line that is slow all the time for what it is, and numbers its
+    sweeps by the nearest time.
     """
 
     def __init__(self, rate: float, *, strict: bool) -> None:
         self._period = 1.0 / rate
         self._strict = strict
         self._number = -1
-        self._behind = 0
+        self._sweeps = self._behind = 0
         self._base: float | None = None
+        self._arrival: float | None = None
+        self._paces: deque[float] = deque(maxlen=_LATELY)  # periods that a sweep took
 
     def advance(self, count: int, arrival: float) -> int:
         """The number of the first of `count` sweeps, the last of which came now."""
         last = self._number + count
         base = arrival - last * self._period if self._base is None else self._base
         behind = (arrival - base) / self._period - last
-        self._behind = self._behind + 1 if behind > _OFF else 0
-        if self._behind >= (_LASTING if self._strict else 1):
-            last += round(behind)
-        elif self._strict and behind < -1.0 and self._number > _SETTLED:
-            last = max(last - 1, self._number)
-        creep = 0.005 * self._period * max(count, last - self._number)
+        if self._strict:
+            last = self._in_step(last, behind)
+        else:
+            last += self._lacking(count, arrival, behind)
+        creep = (_DRIFT_STRICT if self._strict else _DRIFT) * self._period * max(count, last - self._number)
         earliest = arrival - last * self._period
-        lowest = base - (creep if self._number > _SETTLED else 0.05 * self._period) if self._strict else earliest
+        settling = 0.05 * self._period if self._strict else math.inf
+        lowest = base - (creep if self._sweeps > _SETTLED else settling)
         self._base = min(base + creep, max(earliest, lowest))
         self._number = last
+        self._sweeps += count
         return last - count + 1
+
+    def _lacking(self, count: int, arrival: float, behind: float) -> int:
+        """How many sweeps are lacking before these; never more than there was time for, lest the time runs fast."""
+        if self._arrival is not None:
+            self._paces.append((arrival - self._arrival) / self._period / count)
+        self._arrival = arrival
+        slow = len(self._paces) == _LATELY and median(self._paces) > _SLOW
+        if slow:
+            return max(round(behind), 0)
+        return math.floor(behind) if behind > _OFF else 0
+
+    def _in_step(self, last: int, behind: float) -> int:
+        """The last sweep's number where the line must keep in step with others."""
+        self._behind = self._behind + 1 if behind > _OFF else 0
+        if self._behind >= _LASTING:
+            return last + round(behind)
+        if behind < -1.0 and self._number > _SETTLED:
+            return max(last - 1, self._number)
+        return last

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import groupby, pairwise
 
+import numpy as np
 import pytest
 
 from ahmss.capture.assembly import Assembler, Sweep
@@ -86,6 +87,39 @@ def test_numbers_leave_a_gap_where_time_went_by_and_none_for_a_burst():
     numbers += [sweep.number for sweep in two.feed(pair(14 / RATE))]  # 10 to 13 were lost
     numbers += [sweep.number for sweep in two.feed([r for _ in range(6) for r in pair(20 / RATE)])]  # read late
     assert numbers == [*range(10), 14, *range(15, 21)]
+
+
+def heard_of(rate: float, *, busy: bool, lossy: bool, seconds: float = 60.0) -> tuple[list[float], list[float]]:
+    """When a line sent its sweeps, and when they were read: by a busy machine late, and several at once."""
+    rng = np.random.default_rng(3)
+    sent = np.arange(0.0, seconds, 1.0 / rate)
+    if lossy:
+        for gap in (10.0, 25.0, 40.0):
+            sent = sent[(sent < gap) | (sent > gap + 0.7)]
+    reads = np.cumsum(np.where(rng.random(40_000) < 0.05 * busy, rng.uniform(0.02, 0.2, 40_000), 0.003))
+    late = np.where(rng.random(len(sent)) < 0.05 * busy, rng.uniform(0.0, 0.08, len(sent)), 0.0)
+    came = np.maximum.accumulate(sent + rng.exponential(0.001, len(sent)) + late)
+    return sent.tolist(), reads[np.searchsorted(reads, came)].tolist()
+
+
+@pytest.mark.parametrize("lossy", [False, True])
+@pytest.mark.parametrize("busy", [False, True])
+@pytest.mark.parametrize("rate", [5.0, 7.8, 17.3, 23.3, 26.5, 30.0, 44.6, 52.0, 58.0, 60.0])
+def test_the_time_of_a_line_without_a_count_is_right_at_any_rate(rate, busy, lossy):
+    sent, read = heard_of(rate, busy=busy, lossy=lossy)
+    one = assembler("clock", 1)
+    numbers: list[int] = []
+    for arrival, together in groupby(read):
+        numbers += [sweep.number for sweep in one.feed([reading(1, None, arrival) for _ in together])]
+    assert (numbers[-1] - numbers[0]) / RATE == pytest.approx(sent[-1] - sent[0], rel=0.005)
+    off = np.array(numbers) / RATE - np.array(sent)
+    assert np.abs(off - np.median(off)).max() < (0.3 if busy else 0.06)
+
+
+def test_sweeps_of_a_slow_line_are_numbered_evenly():
+    one = assembler("clock", 1)
+    numbers = [sweep.number for at in range(60) for sweep in one.feed([reading(1, None, at / 30)])]
+    assert {after - before for before, after in pairwise(numbers[12:])} == {2}
 
 
 def test_a_device_that_is_too_fast_is_held_back_beside_others():
