@@ -3,7 +3,8 @@
 While a foot bears, it is carried by as much as its lowest part would move, part passing weight to part from heel to toe
 tip. Between two stances the carrying goes over smoothly from the one to the next while the foot is in the air; it is
 caught just before it lands and let go just after it leaves with the speed it has, so nothing pops. The foot keeps its
-rotation, held steady only where it lies flat; hip and knee bend.
+rotation, held steady only where it lies flat; hip and knee bend. Where a straight leg stands to a tenth of a millimetre
+as it is, it is left alone: that much, taken up by the leg, would bend its knee by 2 degrees.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import normalize, rotate
+from ahmss.body.quaternion import align, normalize, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.contact import bearing, runs
 from ahmss.motion.easing import minimum_jerk
@@ -32,6 +33,7 @@ _GAP = 0.15  # seconds; a foot that bears again so soon never left
 _FLAT = 0.012  # metres between the heights of a foot's parts at which it hardly lies flat
 _STEADY = 0.3  # seconds over which a foot that lies flat is held steady
 _NEVER = 1e-9
+_LEGS = [[INDEX[f"{side}_{link}"] for link in ("upper_leg", "lower_leg", "foot")] for side in ("right", "left")]
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _OFF = 0.01  # metres over the height at which it stands where a foot has left the ground
 _EASE = 0.06  # seconds before a foot lands and after it leaves over which it is caught and let go
@@ -39,6 +41,8 @@ _LOWEST = 0.008  # metres over its lowest part at which another part of a foot c
 _REACH = 0.995  # share of a leg's length that a foot which stands may ask for
 _STRAIGHT = 0.9995  # the same for a leg that was straighter: the knee of a straight one jumps at a millimetre
 _SMOOTH = 0.05  # seconds over which hips go lower for a leg that is too short
+_WELL = 0.0001  # metres by which the foot of a straight leg may be off; from twice as much on the leg is solved
+_BENT = 0.0004  # share of its length by which a leg is shorter that is no more straight: its knee is bent by 3 degrees
 
 
 class Grounded(NamedTuple):
@@ -63,6 +67,7 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
     wanted = feet(skeleton, rotations, root)
     soles = np.stack([skeleton.soles, skeleton.soles * _MIRROR])
     points = _points(wanted, soles)
+    given = points.copy()
     bears: Any = bearing(points.reshape(len(points), 6, 3), rate).reshape(-1, 2, 3).any(axis=-1)
     carried = np.zeros((len(root), 2, 3))
     stands = np.zeros((len(root), 2))
@@ -74,8 +79,14 @@ def ground(skeleton: Skeleton, rotations: Array, root: Array | None, rate: float
         points[:, foot] = _points(wanted, soles)[:, foot]
         carried[:, foot] = _carried(points[:, foot], stances, rate)
     wanted[..., :3] += carried
-    root = _within_reach(skeleton, rotations, root, wanted, stands, rate)
-    return Grounded(_solved(skeleton, rotations, root, wanted), root, stands)
+    off = np.linalg.norm(_points(wanted, soles) - given, axis=-1).max(axis=-1)
+    hips, own, length = _legs(skeleton, rotations, root)
+    bent = _rising((1.0 - own / length) / _BENT, rate)
+    share = np.maximum(bent, _rising(off / _WELL, rate))
+    lower = _too_high(hips, wanted, (own, length), stands * share, rate)
+    share = np.maximum(bent, _rising((off + lower[:, None]) / _WELL, rate))
+    root = root - lower[:, None] * np.array([0.0, 0.0, 1.0])
+    return Grounded(_mixed(rotations, _solved(skeleton, rotations, root, wanted), share), root, stands)
 
 
 def _points(frames: Array, soles: Array) -> Array:
@@ -193,22 +204,49 @@ def _tail(away: NDArray[np.intp], ease: float) -> Array:
     return (ease + 1.0) * s**3 * (1.0 - s)
 
 
-def _within_reach(
-    skeleton: Skeleton, rotations: Array, root: Array, wanted: Array, stands: Array, rate: float
-) -> Array:
-    """The hips' places (F, 3), lower where a leg would be too short for its foot that stands."""
+def _legs(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Array, Array]:
+    """Of the right and the left leg: hip joints (F, 2, 3), from there to the ankles (F, 2), whole lengths (2,), m."""
     places, _ = forward(rotations, root, skeleton.offsets)
-    lower = np.zeros(len(root))
-    for foot, side in enumerate(("right", "left")):
-        thigh, shin, ankle = (INDEX[f"{side}_{link}"] for link in ("upper_leg", "lower_leg", "foot"))
-        length = float(np.linalg.norm(skeleton.offsets[shin]) + np.linalg.norm(skeleton.offsets[ankle]))
-        own = np.linalg.norm(places[:, ankle] - places[:, thigh], axis=-1)
-        length = np.maximum(_REACH * length, np.minimum(own, _STRAIGHT * length))
-        away = places[:, thigh] - wanted[:, foot, :3]
-        aside = np.minimum(np.linalg.norm(away[:, :2], axis=1), length)
-        most = np.sqrt(length**2 - aside**2)
-        lower = np.maximum(lower, stands[:, foot] * np.maximum(away[:, 2] - most, 0.0))
-    return root - _over(lower, rate)[:, None] * np.array([0.0, 0.0, 1.0])
+    thigh, shin, ankle = (list(links) for links in zip(*_LEGS, strict=True))
+    length = np.linalg.norm(skeleton.offsets[shin], axis=-1) + np.linalg.norm(skeleton.offsets[ankle], axis=-1)
+    return places[:, thigh], np.linalg.norm(places[:, ankle] - places[:, thigh], axis=-1), length
+
+
+def _rising(values: Array, rate: float) -> Array:
+    """0 where values (F, 2) are below 1 all around, 1 where one is above 2, smoothly."""
+    around = np.stack([_over(values[:, foot], rate) for foot in range(2)], axis=-1)
+    return minimum_jerk(around - 1.0)
+
+
+def _mixed(given: Array, solved: Array, share: Array) -> Array:
+    """Rotations (F, 43, 4) whose legs go over from the given ones to the solved ones by the share (F, 2) of each.
+
+    The joints go over, not the feet: a knee that is straight is bent by degrees as soon as its foot is a hair off.
+    """
+    out = solved.copy()
+    for foot, links in enumerate(_LEGS):
+        part = share[:, foot, None, None]
+        between = normalize(given[:, links] + part * (align(solved[:, links], given[:, links]) - given[:, links]))
+        out[:, links] = np.where(part < 1.0, between, solved[:, links])
+    return out
+
+
+def _too_high(hips: Array, wanted: Array, legs: tuple[Array, Array], stands: Array, rate: float) -> Array:
+    """How far (F,) metres the hips must come down where a leg is too short for its foot.
+
+    Args:
+        hips: (F, 2, 3) the hip joints.
+        wanted: (F, 2, 7) the feet's frames.
+        legs: from hip to ankle (F, 2), and the whole lengths (2,).
+        stands: (F, 2) by how much each foot is held, 0 to 1.
+        rate: frames a second.
+    """
+    own, whole = legs
+    length = np.maximum(_REACH * whole, np.minimum(own, _STRAIGHT * whole))
+    away = hips - wanted[..., :3]
+    aside = np.minimum(np.linalg.norm(away[..., :2], axis=-1), length)
+    most = np.sqrt(length**2 - aside**2)
+    return _over((stands * np.maximum(away[..., 2] - most, 0.0)).max(axis=1), rate)
 
 
 def _solved(skeleton: Skeleton, rotations: Array, root: Array, wanted: Array) -> Array:

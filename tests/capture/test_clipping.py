@@ -17,7 +17,7 @@ from ahmss.capture.stations import Status
 from ahmss.errors import CommandError
 from ahmss.motion.clip import load, save
 from ahmss.motion.contact import foot_points
-from tests.capture.taken import SUBJECT, degrees_between, performed, take_of
+from tests.capture.taken import SUBJECT, degrees_between, performed, standing, take_of
 from tests.motion.mocap import capture_path
 
 
@@ -33,6 +33,17 @@ def test_the_human_does_what_the_subject_did(tmp_path):
     np.testing.assert_allclose(degrees_between(captured.clip.rotations[:, 15:], relaxed[15:]), 0.0, atol=1e-4)
     save(captured.clip, tmp_path / "lift.npz")
     assert load(tmp_path / "lift.npz").header.origin == "a test"
+
+
+def test_straight_legs_that_stand_stay_straight():
+    performance = standing(3.0)
+    captured = clip_of(take_of(performance)[0], SUBJECT)
+    assert degrees_between(captured.clip.rotations, performance.rotations)[:, :15].max() < 0.01
+    legs = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_leg", "lower_leg", "foot")]
+    opens = performed("door_open")
+    bent = degrees_between(clip_of(take_of(opens)[0], SUBJECT).clip.rotations[:, legs], opens.rotations[:, legs])
+    assert np.median(bent) < 0.05
+    assert np.median(bent[:120]) < 0.01
 
 
 def test_the_clip_begins_at_the_humans_own_floor_frame():

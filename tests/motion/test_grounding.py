@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import align, from_rotation_vector, multiply
+from ahmss.body.quaternion import align, conjugate, from_rotation_vector, multiply, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.contact import bearing, contacts, foot_points, runs
+from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.grounding import ground
 from ahmss.motion.hips import from_lowest_part, from_standing_parts
 from ahmss.motion.importing import import_clip
@@ -71,8 +72,25 @@ def test_who_stands_well_is_left_alone():
     rotations, root = swaying(120)
     root[:] = root[0]
     grounded = ground(HUMAN, rotations, root, RATE)
-    assert np.abs(align(grounded.rotations, rotations) - rotations).max() < 0.04  # a straight knee gives 4 degrees
-    np.testing.assert_allclose(grounded.root, root, atol=1e-3)
+    assert np.abs(align(grounded.rotations, rotations) - rotations).max() < 1e-9  # straight knees stay straight
+    np.testing.assert_allclose(grounded.root, root, atol=1e-9)
+
+
+def test_a_straight_knee_is_bent_smoothly_once_its_foot_is_off():
+    """Who stood upright moves the hips, with the feet dragged along: the knees, straight before, must not jump."""
+    pose, place = HUMAN.upright()
+    rotations, root = np.tile(pose, (180, 1, 1)), np.tile(place, (180, 1))
+    root[:, 0] += 0.02 * minimum_jerk((np.arange(180) / RATE - 1.0) / 1.0)  # the feet are dragged along
+    grounded = ground(HUMAN, rotations, root, RATE)
+    knee = INDEX["right_lower_leg"]
+    turned = np.degrees(
+        np.linalg.norm(
+            to_rotation_vector(multiply(conjugate(rotations[:, knee]), grounded.rotations[:, knee])), axis=-1
+        )
+    )
+    assert turned.max() > 2.0
+    assert np.abs(np.diff(turned)).max() < 0.5
+    assert np.ptp(foot_points(HUMAN, grounded.rotations, grounded.root), axis=0).max() < 0.001
 
 
 @pytest.mark.parametrize("known", [True, False])
