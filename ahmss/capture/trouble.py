@@ -5,8 +5,10 @@ from __future__ import annotations
 import errno
 import grp
 import os
+import pwd
 import stat
 from dataclasses import dataclass
+from pathlib import Path
 
 from serial.tools import list_ports
 
@@ -93,21 +95,46 @@ def of_silence(config: TrackerConfig, line: LineConfig, heard: Heard, now: float
 
 
 def _let_in(port: str) -> str:
-    """How a user comes to open a port that refuses them: by its group, where that may open it."""
+    """How a user comes to open a port that refuses them: by its folder's owner, or by its group."""
     user = os.environ.get("USER", "$USER")
     try:
         found = os.stat(port)
     except OSError as error:
-        return f"nor may they look at its rights ({error.strerror or error})"
+        return _closed_folder(port) or f"nor may they look at its rights ({error.strerror or error})"
+    own = f"type: sudo chown {user} {port}   (holds until it is plugged in again)"
     if found.st_gid == 0 or found.st_mode & _GROUP_READS_AND_WRITES != _GROUP_READS_AND_WRITES:
-        return f"its mode lets no group in; type: sudo chown {user} {port}   (holds until it is plugged in again)"
+        return f"its mode lets no group in; {own}"
     try:
         group = grp.getgrgid(found.st_gid).gr_name
     except KeyError:
-        group = str(found.st_gid)
+        return f"its group, {found.st_gid}, has no name here, so nobody can be added to it; {own}"
     if found.st_gid in os.getgroups():
         return f"though its group {group} is theirs: something else forbids it, such as the container that this runs in"
     return f"type: sudo usermod -aG {group} {user}   (and log in again)"
+
+
+def _closed_folder(port: str) -> str:
+    """Which of the folders that lead to a port is closed to this user, and who may open it; "" where none is."""
+    for folder in reversed(Path(os.path.abspath(port)).parents):
+        if os.access(folder, os.X_OK):
+            continue
+        try:
+            owner = _user_named(folder.stat().st_uid)
+        except OSError:
+            return ""
+        return (
+            f"the folder {folder} is closed to them; {owner}, whose it is, or root may open it: "
+            f"sudo chmod o+x {folder}   (or give a port elsewhere)"
+        )
+    return ""
+
+
+def _user_named(number: int) -> str:
+    """A user's name, or its number where it has none."""
+    try:
+        return pwd.getpwuid(number).pw_name
+    except KeyError:
+        return f"user {number}"
 
 
 def _number(error: OSError) -> int | None:

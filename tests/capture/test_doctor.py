@@ -6,6 +6,7 @@ import errno
 import grp
 import json
 import os
+import pwd
 
 import msgspec
 import pytest
@@ -79,6 +80,33 @@ def test_who_may_not_open_a_port_is_told_the_group_that_may(monkeypatch, mode, g
     monkeypatch.setattr(os, "getgroups", lambda: [gid])
     mine = of_error("/dev/ttyUSB0", OSError(errno.EACCES, "words"))
     assert ("is theirs" in mine) == ("usermod" in said)
+
+
+def test_a_group_without_a_name_is_nobodys_to_join(monkeypatch):
+    real, asked = os.stat_result((0o020660, 1, 1, 1, 0, 54_321, 0, 0, 0, 0)), os.stat
+    monkeypatch.setenv("USER", "eve")
+    monkeypatch.setattr(os, "stat", lambda path, **more: real if path == "/dev/ttyUSB0" else asked(path, **more))
+    said = of_error("/dev/ttyUSB0", OSError(errno.EACCES, "words"))
+    assert "usermod" not in said
+    assert "54321, has no name here" in said
+    assert "sudo chown eve /dev/ttyUSB0" in said
+
+
+def test_a_folder_that_is_closed_is_named_and_who_may_open_it(monkeypatch, tmp_path):
+    (tmp_path / "dev" / "serial").mkdir(parents=True)
+    port, closed, asked = str(tmp_path / "dev" / "serial" / "ttyS9"), tmp_path / "dev", os.stat
+
+    def refused(path, **more):
+        if path == port:
+            raise PermissionError(errno.EACCES, "Permission denied")
+        return asked(path, **more)
+
+    monkeypatch.setattr(os, "stat", refused)
+    monkeypatch.setattr(os, "access", lambda path, _mode: closed not in (path, *path.parents))
+    said = of_error(port, OSError(errno.EACCES, "words"))
+    owner = pwd.getpwuid(closed.stat().st_uid).pw_name
+    assert f"the folder {closed} is closed to them; {owner}, whose it is, or root may open it" in said
+    assert f"sudo chmod o+x {closed}" in said
 
 
 def test_a_device_that_is_off(monkeypatch):
