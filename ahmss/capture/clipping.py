@@ -5,17 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS, PARENTS
 from ahmss.body.quaternion import conjugate, multiply, normalize
 from ahmss.body.skeleton import Skeleton
 from ahmss.capture.calibration import RESTLESS, Calibration, calibrate, link_rotations
+from ahmss.capture.formats.decode import REACH
 from ahmss.capture.repair import Gap, Jump, fill, gaps, jumps, mend
 from ahmss.capture.smoothing import smoothed
 from ahmss.capture.stations import TRACKED
 from ahmss.capture.take import Take
 from ahmss.motion.clip import Clip, ClipHeader
+from ahmss.motion.contact import runs
 from ahmss.motion.edit import begun_at_origin
 from ahmss.motion.grounding import ground
 from ahmss.motion.importance import derive
@@ -26,6 +29,9 @@ __all__ = ["Captured", "Choices", "clip_of", "joint_rotations"]
 _TURNED_AWAY = np.radians(15.0)  # the places of the sensors tell the heading to about 5 degrees
 _PARENTS = list(PARENTS[1 : len(TRACKED)])
 _MANY = 10  # lines on gaps; of more nobody reads each
+_EDGE = 0.5  # metres from the end of the reach, within which who is lost has gone beyond it
+_FULL = 0.95  # share of frames that come; where it is less all the time the line does not carry more
+_PARTS = 10  # of a take: what is so in all of them is so all the time
 
 
 @dataclass(frozen=True)
@@ -45,13 +51,14 @@ class Choices:
 
 @dataclass(frozen=True)
 class Captured:
-    """A clip, how its take was calibrated, what the take lacked, and where sensors jumped."""
+    """A clip, how its take was calibrated, what the take lacked and why, and where sensors jumped."""
 
     clip: Clip
     calibration: Calibration
     gaps: list[Gap]
     jumps: list[Jump]
     mended: bool
+    causes: tuple[str, ...] = ()
 
     def report(self) -> list[str]:
         """What a person should know of it, a sentence each."""
@@ -68,28 +75,26 @@ class Captured:
                 f"the left and right sensors say that the subject faced {np.degrees(calibration.doubt):+.0f} degrees "
                 "from where --facing has it: give the right one, or --facing sensors"
             )
-        lines += self._of_gaps()
+        lines += [*self._of_gaps(), *self.causes]
         how = "mended" if self.mended else "left as it is; --mend puts a smooth way across"
         for jump in self.jumps:
             lines.append(f"{jump.link}: jumps by {jump.degrees:.0f} degrees {_when(jump.first, jump.end, rate)}, {how}")
         return lines
 
     def _of_gaps(self) -> list[str]:
-        """A line for each time that sensors gave nothing; where there are many, a line for each link."""
+        """A line for each time that sensors gave nothing; where there are many, one for all and one for each link."""
         rate, together = self.clip.rate, self._gaps_together()
         if len(together) <= _MANY:
             return [f"{_named(links)}: nothing {_when(*when, rate)}, filled" for when, links in together.items()]
-        lines: list[str] = []
+        missing = np.zeros((self.clip.frames, len(TRACKED)), bool)
+        for gap in self.gaps:
+            missing[gap.first : gap.end, TRACKED.index(gap.link)] = True
+        everywhere: NDArray[np.bool_] = np.asarray(missing.all(axis=1))
+        lines = [_many("all sensors", runs(everywhere), rate)] if everywhere.any() else []
         for link in TRACKED:
-            own = [(gap.end - gap.first, gap) for gap in self.gaps if gap.link == link]
-            if not own:
-                continue
-            longest = max(own, key=lambda pair: pair[0])[1]
-            times, frames = "once" if len(own) == 1 else f"{len(own)} times", sum(length for length, _ in own)
-            lines.append(
-                f"{link}: nothing {times}, {frames / rate:.2f} s in all, the longest "
-                f"{_when(longest.first, longest.end, rate)}, filled"
-            )
+            own = [(gap.first, gap.end) for gap in self.gaps if gap.link == link]
+            own = [(first, end) for first, end in own if not everywhere[first:end].all()]
+            lines += [_many(link, own, rate)] if own else []
         return lines
 
     def _gaps_together(self) -> dict[tuple[int, int], list[str]]:
@@ -98,6 +103,35 @@ class Captured:
         for gap in sorted(self.gaps, key=lambda gap: gap.first):
             together.setdefault((gap.first, gap.end), []).append(gap.link)
         return together
+
+
+def _many(who: str, stretches: list[tuple[int, int]], rate: float) -> str:
+    """A line on all stretches (first, end) in which these sensors gave nothing."""
+    longest = max(stretches, key=lambda stretch: stretch[1] - stretch[0])
+    times, frames = "once" if len(stretches) == 1 else f"{len(stretches)} times", sum(end - at for at, end in stretches)
+    return f"{who}: nothing {times}, {frames / rate:.2f} s in all, the longest {_when(*longest, rate)}, filled"
+
+
+def _causes(take: Take, missing: list[Gap]) -> tuple[str, ...]:
+    """Why a take lacks what it lacks, where that shows: a sentence each."""
+    causes: list[str] = []
+    came = ~take.missing.all(axis=1)
+    parts = np.array_split(came, _PARTS)
+    if take.frames >= take.rate and max(part.mean() for part in parts) < _FULL:
+        causes.append(
+            f"the line carries {came.mean() * take.rate:.1f} frames a second, not the {take.rate:g} that are asked "
+            "for: raise its baud rate, use binary, or spread the stations over more lines"
+        )
+    away = np.linalg.norm(take.positions, axis=-1)
+    for gap in missing:
+        sensor, around = TRACKED.index(gap.link), (gap.first - 1, gap.end)
+        if max(away[k, sensor] for k in around if 0 <= k < take.frames) > REACH - _EDGE:
+            causes.append(
+                f"sensors gave nothing near {REACH:g} m from the transmitter: records from beyond its reach have "
+                "values that can't be; stay nearer"
+            )
+            break
+    return tuple(causes)
 
 
 def _named(links: list[str]) -> str:
@@ -143,7 +177,8 @@ def clip_of(take: Take, skeleton: Skeleton, choices: Choices | None = None, post
         rate=take.rate,
         header=ClipHeader(origin=take.header.origin, human=skeleton.name),
     )
-    return Captured(derive(begun_at_origin(clip), skeleton), calibration, missing, jumping, choices.mend)
+    moved = derive(begun_at_origin(clip), skeleton)
+    return Captured(moved, calibration, missing, jumping, choices.mend, _causes(take, missing))
 
 
 def joint_rotations(world: Array, fingers: Array) -> Array:

@@ -194,6 +194,7 @@ def _figures(captured: Captured) -> dict[str, Any]:
         "stillness_deg": round(calibration.stillness, 3),
         "heading_doubt_deg": round(float(np.degrees(calibration.doubt)), 2),
         "gaps": [asdict(gap) for gap in captured.gaps],
+        "gap_causes": list(captured.causes),
         "jumps": [asdict(jump) for jump in captured.jumps],
         "mended": captured.mended,
     }

@@ -12,12 +12,13 @@ from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.capture.casting import performance_of
 from ahmss.capture.clipping import Choices, clip_of
+from ahmss.capture.formats.decode import REACH
 from ahmss.capture.performance import begun_upright
 from ahmss.capture.stations import Status
 from ahmss.errors import CommandError
 from ahmss.motion.clip import load, save
 from ahmss.motion.contact import foot_points
-from tests.capture.taken import SUBJECT, degrees_between, performed, standing, take_of
+from tests.capture.taken import RATE, SUBJECT, degrees_between, performed, standing, take_of
 from tests.motion.mocap import capture_path
 
 
@@ -84,6 +85,40 @@ def test_many_gaps_are_told_link_by_link():
         "right_hand: nothing 2 times, 0.25 s in all, the longest from 1.67 to 1.83 s, filled",
         "right_foot: nothing 15 times, 0.25 s in all, the longest from 2.17 to 2.18 s, filled",
     ]
+
+
+def test_an_over_full_line_is_told_once_with_the_cause():
+    take, _ = take_of(performed("lift"))
+    came = np.unique(np.round(np.arange(0.0, take.frames, RATE / 23.3)).astype(int))
+    lost = np.setdiff1d(np.arange(take.frames), came)
+    take.status[lost] = Status.MISSING
+    take.status[came[60] : came[62] + 1, 5] = Status.MISSING
+    told = clip_of(take, SUBJECT)
+    nothing = [line for line in told.report() if "nothing" in line]
+    assert [line.split(":")[0] for line in nothing] == ["all sensors", "right_hand"]
+    assert f"{len(lost) / RATE:.2f} s in all" in nothing[0]
+    (cause,) = told.causes
+    assert cause.startswith("the line carries 23.")
+    assert "not the 60 that are asked for" in cause
+    assert cause in told.report()
+
+
+def test_a_line_that_once_lost_much_is_not_over_full():
+    take, _ = take_of(performed("lift"))
+    take.status[150:200] = Status.MISSING
+    assert clip_of(take, SUBJECT).causes == ()
+
+
+def test_who_walked_out_of_reach_is_told_so_once():
+    take, _ = take_of(performed("lift"))
+    way = np.interp(np.arange(take.frames), [150, 300], [0.0, 9.0])
+    far = replace(take, positions=take.positions + way[:, None, None] * np.array([1.0, 0.0, 0.0]))
+    beyond = np.linalg.norm(far.positions, axis=-1) > REACH
+    assert 0 < beyond.sum() < beyond.size
+    far.status[beyond] = Status.MISSING
+    said = [line for line in clip_of(far, SUBJECT).report() if "reach" in line]
+    assert len(said) == 1
+    assert "near 9.2 m from the transmitter" in said[0]
 
 
 def test_jitter_is_smoothed_when_asked():
