@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS, PARENTS
@@ -18,7 +17,6 @@ from ahmss.capture.smoothing import smoothed
 from ahmss.capture.stations import TRACKED
 from ahmss.capture.take import Take
 from ahmss.motion.clip import Clip, ClipHeader
-from ahmss.motion.contact import runs
 from ahmss.motion.edit import begun_at_origin
 from ahmss.motion.grounding import ground
 from ahmss.motion.importance import derive
@@ -31,6 +29,7 @@ _PARENTS = list(PARENTS[1 : len(TRACKED)])
 _MANY = 10  # lines on gaps; of more nobody reads each
 _EDGE = 0.5  # metres from the end of the reach, within which who is lost has gone beyond it
 _FULL = 0.95  # share of frames that come; where it is less all the time the line does not carry more
+_SHORT = 0.2  # seconds; longer gaps are not for a line that is over-full
 _PARTS = 10  # of a take: what is so in all of them is so all the time
 
 
@@ -51,14 +50,19 @@ class Choices:
 
 @dataclass(frozen=True)
 class Captured:
-    """A clip, how its take was calibrated, what the take lacked and why, and where sensors jumped."""
+    """A clip, how its take was calibrated, what the take lacked, and where sensors jumped.
+
+    carried: frames a second that came of each sensor where the line carried no more, else 0. beyond: whether sensors
+    were lost at the end of the transmitter's reach.
+    """
 
     clip: Clip
     calibration: Calibration
     gaps: list[Gap]
     jumps: list[Jump]
     mended: bool
-    causes: tuple[str, ...] = ()
+    carried: float = 0.0
+    beyond: bool = False
 
     def report(self) -> list[str]:
         """What a person should know of it, a sentence each."""
@@ -75,63 +79,70 @@ class Captured:
                 f"the left and right sensors say that the subject faced {np.degrees(calibration.doubt):+.0f} degrees "
                 "from where --facing has it: give the right one, or --facing sensors"
             )
-        lines += [*self._of_gaps(), *self.causes]
+        lines += self._of_gaps()
+        if self.beyond:
+            lines.append(
+                f"sensors gave nothing near {REACH:g} m from the transmitter: records from beyond its reach have "
+                "values that can't be; stay nearer"
+            )
         how = "mended" if self.mended else "left as it is; --mend puts a smooth way across"
         for jump in self.jumps:
             lines.append(f"{jump.link}: jumps by {jump.degrees:.0f} degrees {_when(jump.first, jump.end, rate)}, {how}")
         return lines
 
     def _of_gaps(self) -> list[str]:
-        """A line for each time that sensors gave nothing; where there are many, one for all and one for each link."""
-        rate, together = self.clip.rate, self._gaps_together()
+        """A line for each time that sensors gave nothing; where there are many, one for all that lack the same."""
+        rate, gaps = self.clip.rate, self.gaps
+        lines: list[str] = []
+        if self.carried:
+            gaps = [gap for gap in gaps if gap.end - gap.first > _SHORT * rate]
+            lines.append(
+                f"all sensors: {self.carried:.1f} frames a second came, filled, not the {rate:g} that are asked for: "
+                "the line carries no more; raise its baud rate, use binary, or spread the stations over more lines"
+            )
+        together = _together(gaps)
         if len(together) <= _MANY:
-            return [f"{_named(links)}: nothing {_when(*when, rate)}, filled" for when, links in together.items()]
-        missing = np.zeros((self.clip.frames, len(TRACKED)), bool)
-        for gap in self.gaps:
-            missing[gap.first : gap.end, TRACKED.index(gap.link)] = True
-        everywhere: NDArray[np.bool_] = np.asarray(missing.all(axis=1))
-        lines = [_many("all sensors", runs(everywhere), rate)] if everywhere.any() else []
+            return lines + [
+                f"{_named(links)}: nothing {_when(*when, rate)}, filled" for when, links in together.items()
+            ]
+        everywhere = [when for when, links in together.items() if len(links) == len(TRACKED)]
+        alike: dict[tuple[tuple[int, int], ...], list[str]] = {tuple(everywhere): list(TRACKED)} if everywhere else {}
         for link in TRACKED:
-            own = [(gap.first, gap.end) for gap in self.gaps if gap.link == link]
-            own = [(first, end) for first, end in own if not everywhere[first:end].all()]
-            lines += [_many(link, own, rate)] if own else []
-        return lines
-
-    def _gaps_together(self) -> dict[tuple[int, int], list[str]]:
-        """The links that gave nothing, by the frames in which they did not."""
-        together: dict[tuple[int, int], list[str]] = {}
-        for gap in sorted(self.gaps, key=lambda gap: gap.first):
-            together.setdefault((gap.first, gap.end), []).append(gap.link)
-        return together
+            own = [when for when, links in together.items() if link in links and when not in everywhere]
+            if own:
+                alike.setdefault(tuple(own), []).append(link)
+        return lines + [_many(_named(links), stretches, rate) for stretches, links in alike.items()]
 
 
-def _many(who: str, stretches: list[tuple[int, int]], rate: float) -> str:
+def _together(gaps: list[Gap]) -> dict[tuple[int, int], list[str]]:
+    """The links that gave nothing, by the frames in which they did not."""
+    together: dict[tuple[int, int], list[str]] = {}
+    for gap in sorted(gaps, key=lambda gap: gap.first):
+        together.setdefault((gap.first, gap.end), []).append(gap.link)
+    return together
+
+
+def _many(who: str, stretches: tuple[tuple[int, int], ...], rate: float) -> str:
     """A line on all stretches (first, end) in which these sensors gave nothing."""
     longest = max(stretches, key=lambda stretch: stretch[1] - stretch[0])
     times, frames = "once" if len(stretches) == 1 else f"{len(stretches)} times", sum(end - at for at, end in stretches)
     return f"{who}: nothing {times}, {frames / rate:.2f} s in all, the longest {_when(*longest, rate)}, filled"
 
 
-def _causes(take: Take, missing: list[Gap]) -> tuple[str, ...]:
-    """Why a take lacks what it lacks, where that shows: a sentence each."""
-    causes: list[str] = []
-    came = ~take.missing.all(axis=1)
-    parts = np.array_split(came, _PARTS)
-    if take.frames >= take.rate and max(part.mean() for part in parts) < _FULL:
-        causes.append(
-            f"the line carries {came.mean() * take.rate:.1f} frames a second, not the {take.rate:g} that are asked "
-            "for: raise its baud rate, use binary, or spread the stations over more lines"
-        )
+def _carried(take: Take) -> float:
+    """Frames a second that came of each sensor where it is less than was asked for all the time, else 0."""
+    came = ~take.missing
+    shares = (
+        [float(np.median(part.mean(axis=0))) for part in np.array_split(came, _PARTS)] if len(came) > _PARTS else []
+    )
+    return float(np.median(came.mean(axis=0)) * take.rate) if shares and max(shares) < _FULL else 0.0
+
+
+def _beyond(take: Take, missing: list[Gap]) -> bool:
+    """Whether a sensor was lost, or came back, at the end of the transmitter's reach."""
     away = np.linalg.norm(take.positions, axis=-1)
-    for gap in missing:
-        sensor, around = TRACKED.index(gap.link), (gap.first - 1, gap.end)
-        if max(away[k, sensor] for k in around if 0 <= k < take.frames) > REACH - _EDGE:
-            causes.append(
-                f"sensors gave nothing near {REACH:g} m from the transmitter: records from beyond its reach have "
-                "values that can't be; stay nearer"
-            )
-            break
-    return tuple(causes)
+    ends = [(k, TRACKED.index(gap.link)) for gap in missing for k in (gap.first - 1, gap.end) if 0 <= k < take.frames]
+    return any(away[end] > REACH - _EDGE for end in ends)
 
 
 def _named(links: list[str]) -> str:
@@ -178,7 +189,7 @@ def clip_of(take: Take, skeleton: Skeleton, choices: Choices | None = None, post
         header=ClipHeader(origin=take.header.origin, human=skeleton.name),
     )
     moved = derive(begun_at_origin(clip), skeleton)
-    return Captured(moved, calibration, missing, jumping, choices.mend, _causes(take, missing))
+    return Captured(moved, calibration, missing, jumping, choices.mend, _carried(take), _beyond(take, missing))
 
 
 def joint_rotations(world: Array, fingers: Array) -> Array:

@@ -194,7 +194,8 @@ def _figures(captured: Captured) -> dict[str, Any]:
         "stillness_deg": round(calibration.stillness, 3),
         "heading_doubt_deg": round(float(np.degrees(calibration.doubt)), 2),
         "gaps": [asdict(gap) for gap in captured.gaps],
-        "gap_causes": list(captured.causes),
+        "carried_per_second": round(captured.carried, 2) or None,
+        "beyond_reach": captured.beyond,
         "jumps": [asdict(jump) for jump in captured.jumps],
         "mended": captured.mended,
     }

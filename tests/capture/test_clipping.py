@@ -92,21 +92,32 @@ def test_an_over_full_line_is_told_once_with_the_cause():
     came = np.unique(np.round(np.arange(0.0, take.frames, RATE / 23.3)).astype(int))
     lost = np.setdiff1d(np.arange(take.frames), came)
     take.status[lost] = Status.MISSING
-    take.status[came[60] : came[62] + 1, 5] = Status.MISSING
-    told = clip_of(take, SUBJECT)
-    nothing = [line for line in told.report() if "nothing" in line]
-    assert [line.split(":")[0] for line in nothing] == ["all sensors", "right_hand"]
-    assert f"{len(lost) / RATE:.2f} s in all" in nothing[0]
-    (cause,) = told.causes
-    assert cause.startswith("the line carries 23.")
-    assert "not the 60 that are asked for" in cause
-    assert cause in told.report()
+    take.status[came[40] : came[50] + 1, 5] = Status.MISSING
+    said = [line for line in clip_of(take, SUBJECT).report() if ", filled" in line]
+    assert [line.split(":")[0] for line in said] == ["all sensors", "right_hand"]
+    assert said[0].startswith("all sensors: 23.3 frames a second came, filled, not the 60 that are asked for: the line")
 
 
-def test_a_line_that_once_lost_much_is_not_over_full():
+def test_lines_that_are_over_full_each_in_its_own_frames_are_told_once():
     take, _ = take_of(performed("lift"))
-    take.status[150:200] = Status.MISSING
-    assert clip_of(take, SUBJECT).causes == ()
+    for line in range(4):
+        take.status[line % 2 :: 2, 4 * line : 4 * line + 4] = Status.MISSING
+    (said,) = [line for line in clip_of(take, SUBJECT).report() if ", filled" in line]
+    assert said.startswith("all sensors: 29.9 frames a second came")
+
+
+def test_a_line_that_lost_much_at_times_is_not_over_full():
+    take, _ = take_of(performed("lift"))
+    for first in range(150, 300, 10):
+        take.status[first : first + 5] = Status.MISSING
+    take.status[320:324, 4:8] = Status.MISSING
+    captured = clip_of(take, SUBJECT)
+    assert captured.carried == 0.0
+    assert [line for line in captured.report() if ", filled" in line] == [
+        "all sensors: nothing 15 times, 1.25 s in all, the longest from 2.50 to 2.58 s, filled",
+        "right_lower_arm, right_hand, right_upper_leg, right_lower_leg: "
+        "nothing once, 0.07 s in all, the longest from 5.33 to 5.40 s, filled",
+    ]
 
 
 def test_who_walked_out_of_reach_is_told_so_once():
