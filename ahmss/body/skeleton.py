@@ -16,7 +16,7 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, PARENTS
 from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply, normalize, rotate
 
-__all__ = ["UPRIGHT_WORLD", "Skeleton", "mirror"]
+__all__ = ["LINK_ARM", "UPRIGHT_WORLD", "Skeleton", "mirror"]
 
 _H = np.sqrt(0.5)
 _HALF_TURN_Y = np.array([0.0, 0.0, 1.0, 0.0])
@@ -47,6 +47,9 @@ def _upright_world() -> Array:
 
 
 UPRIGHT_WORLD: Array = _upright_world()
+
+LINK_ARM: Array = np.array([_H, 0.0, _H, 0.0])
+"""The turn, link <- arm, between appendix B's arm, which lies along z and bends about y, and our links, along x."""
 
 
 def _relaxed() -> dict[str, tuple[float, float, float]]:
