@@ -82,10 +82,10 @@ def elbow(lengths: Array, distance: Array) -> tuple[Array, Any]:
     digit of the distance is straight: else it would be bent by 1e-8.
     """
     L1, L2 = lengths
-    distance = np.where(np.abs(distance - L1 - L2) < _DIGIT * (L1 + L2), L1 + L2, distance)
+    straight = np.abs(distance - L1 - L2) < _DIGIT * (L1 + L2)
     cosine = (L1**2 + L2**2 - distance**2) / (2.0 * L1 * L2)
     real = (distance <= L1 + L2 + _SLACK) & (distance >= abs(L1 - L2) - _SLACK)
-    return np.pi - np.arccos(np.clip(cosine, -1.0, 1.0)), real
+    return np.where(straight, 0.0, np.pi - np.arccos(np.clip(cosine, -1.0, 1.0))), real
 
 
 def _pose(lengths: Array, place: Array, rotation: Array, present: Array) -> tuple[_Pose, Any]:

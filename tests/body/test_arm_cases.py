@@ -168,6 +168,19 @@ def test_a_straight_arm_out_of_the_fixed_joint_s_line_has_none_of_that_case():
     assert real[:, 2:4].all()
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_where_two_axes_fall_together_the_thesis_s_angle_is_0(sign):
+    a, b = np.random.default_rng(11).uniform(-1.5, 1.5, (2, 20))
+    theta_5, theta_6, theta_7 = wrist_angles(about("y", a) @ about("x", np.full(20, sign * np.pi / 2)) @ about("z", b))
+    assert np.allclose(theta_7, 0.0, atol=1e-12)  # (B.22)
+    assert np.allclose(theta_6, sign * np.pi / 2)
+    assert np.allclose(theta_5, (a - sign * b)[:, None])
+    theta_1, theta_2, theta_3 = shoulder_angles(about("z", a) @ about("z", b))
+    assert np.allclose(theta_3, 0.0, atol=1e-12)  # (B.36)
+    assert np.allclose(theta_2, 0.0)
+    assert np.allclose(theta_1, (a + b)[:, None])
+
+
 def test_batches_of_any_shape():
     true = random_angles(np.random.default_rng(10), 12)
     place, rotation = wrist_pose(true)
