@@ -1,0 +1,156 @@
+"""An arm along a path of wrist poses, without a flip: one swing of the elbow a frame, chosen for all frames at once.
+
+Along the path the elbow's side is carried on by the smallest turn from frame to frame, so that a swing that stays the
+same is an elbow that moves no more than it must. In each frame the limits allow some arcs of it. A swing may change by
+so much from one frame to the next; which swings can be reached, and which of these lead on to the end, makes a corridor
+through the frames, and within it the swing goes as a taut string does. Of all ways through the corridor that one turns
+the elbow least, and its fastest turn is the slowest possible. So where any way without a jump exists, this is one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ahmss.body.arm import Arm, Wrist, angles_of, excess, hand_angles, with_hand, wrist_of
+from ahmss.body.arm_choice import present_side
+from ahmss.body.arm_swing import HAND, SHOULDER, Swing, allowed, limits_of, swing_of
+from ahmss.body.array import Array
+from ahmss.body.quaternion import between, conjugate, multiply, rotate, to_rotation_vector
+from ahmss.body.taut import corridor, taut_string
+
+__all__ = ["Way", "follow"]
+
+STEP = np.radians(6.0)
+"""The usual most that the elbow swings from one frame to the next: a turn a second at 60 frames."""
+
+_TINY = 1e-9  # metres
+_ANY = np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """An arm along a path of F frames.
+
+    links (F, ..., 3, 4): upper arm, forearm and hand, each on the hemisphere of the frame before.
+    missing (F, ...): metres by which the wrist is too far (> 0) or too near (< 0); there the arm stretches or bends as
+    far as it can towards it. turned (F, ...): radians that the hand is turned away from what was asked, where no swing
+    has all joints within their limits. beyond (F, ...): radians by which the shoulder is beyond its limits, where no
+    swing serves it; all else is always within. jumps (F, ...): bool, where the elbow's swing, or a hand that can't be
+    turned as asked, changes by more than a step: no other way was left.
+    """
+
+    links: Array
+    missing: Array
+    turned: Array
+    beyond: Array
+    jumps: Any
+
+    @property
+    def angles(self) -> Array:
+        """The seven angles (F, ..., 7), radians, each near that of the frame before."""
+        angles = angles_of(self.links)
+        return np.unwrap(angles, axis=0)
+
+
+def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP) -> Way:
+    """The arm along a path of wrist poses that begins at the present arm, without jumps wherever that is possible.
+
+    Args:
+        arm: its measures.
+        wrist: places (F, ..., 3) and rotations (F, ..., 4) in the shoulder frame, F >= 1.
+        present: (..., 3, 4) the links of the frame before the path's first.
+        step: the most that the elbow swings from frame to frame, radians; also how fast a hand comes back that could
+            not be turned as asked.
+    """
+    swing = swing_of(arm, wrist, _carried_sides(arm, wrist.place, present))
+    arcs, whole_hand = _arcs(arm, swing)
+    frames, batch = swing.bend.shape[0], swing.bend.shape[1:]
+    phi, jumps = np.empty((frames, *batch)), np.zeros((frames, *batch), bool)
+    for item in np.ndindex(batch):
+        phi[(slice(None), *item)], jumps[(slice(None), *item)] = _string(arcs[(slice(None), *item)], step)
+    links = swing.links(phi)
+    if not whole_hand.all():
+        angles, leaps = _ease_hand(hand_angles(links), whole_hand, hand_angles(present), limits_of(arm)[HAND], step)
+        links = np.where(whole_hand[..., None, None], links, with_hand(links, angles))
+        jumps |= leaps
+    off = to_rotation_vector(multiply(conjugate(wrist_of(arm, links).rotation), wrist.rotation))
+    turned = np.where(whole_hand, 0.0, np.linalg.norm(off, axis=-1))
+    return Way(_continuous(links, present), swing.missing, turned, excess(arm, links), jumps)
+
+
+def _carried_sides(arm: Arm, places: Array, present: Array) -> Array:
+    """The present elbow's side carried along the path (F, ..., 3)."""
+    sides = np.empty_like(places)
+    sides[0] = present_side(arm, present, places[0])
+    before = places[0]
+    for frame in range(1, len(places)):
+        somewhere = np.linalg.norm(places[frame], axis=-1)[..., None] > _TINY
+        before, last = np.where(somewhere, places[frame], before), before
+        known = np.linalg.norm(last, axis=-1)[..., None] > _TINY  # a wrist on the shoulder itself has no direction
+        turn = between(np.where(known, last, _ANY), np.where(known, before, _ANY))
+        sides[frame] = rotate(turn, sides[frame - 1])
+    return sides
+
+
+def _arcs(arm: Arm, swing: Swing) -> tuple[Array, Any]:
+    """The allowed arcs (F, ..., n, 2), and where they allow for the hand; elsewhere they are the shoulder's alone."""
+    measures, limits = swing.measures(), limits_of(arm)
+    arcs = allowed(measures, limits)
+    whole_hand: Any = ~np.isnan(arcs[..., 0, 0])
+    rest = ~whole_hand
+    if rest.any():
+        of_shoulder = allowed(measures[rest][..., SHOULDER, :, :], limits[SHOULDER])
+        of_shoulder[np.isnan(of_shoulder[..., 0, 0]), 0] = (-np.pi, np.pi)  # nothing serves: any
+        arcs[rest] = np.nan
+        arcs[rest, : of_shoulder.shape[-2]] = of_shoulder
+    return arcs, whole_hand
+
+
+def _string(arcs: Array, step: float) -> tuple[Array, Any]:
+    """Swings (F,) along arcs (F, n, 2), and where they jump; the swing before the first frame is 0."""
+    phi, jumps = np.empty(len(arcs)), np.zeros(len(arcs), bool)
+    frame, before = 0, 0.0
+    while frame < len(arcs):
+        gates = corridor(arcs[frame:], before, step)
+        if len(gates) == 0:  # no swing near enough: a jump, to the nearest
+            jumps[frame] = True
+            (nearest,) = corridor(arcs[frame : frame + 1], before, 2.0 * np.pi)
+            before = min(max(before, nearest[0]), nearest[1])
+            gates = corridor(arcs[frame:], before, step)
+        phi[frame : frame + len(gates)] = taut_string(gates, before)
+        frame += len(gates)
+        before = float(phi[frame - 1])
+    return phi, jumps
+
+
+def _ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: float) -> tuple[Array, Any]:
+    """Hand angles (F, ..., 3) drawn within limits (3, 2) where they are not exact (F, ...), and where they still leap.
+
+    What is beyond a limit on one side may come back on the other: the hand is on its way there before, by a step a
+    frame.
+    """
+    free = ~exact[..., None]
+    low = np.where(free, limits[:, 0], angles)
+    high = np.where(free, limits[:, 1], angles)
+    for frame in range(len(angles) - 2, -1, -1):
+        low[frame] = np.where(free[frame], np.maximum(low[frame], low[frame + 1] - step), low[frame])
+        high[frame] = np.where(free[frame], np.minimum(high[frame], high[frame + 1] + step), high[frame])
+    out, leaps = angles.copy(), np.zeros(exact.shape, bool)
+    for frame in range(len(angles)):
+        nearest = np.clip(before, low[frame], high[frame])  # where even this is a leap, it is taken at once
+        drawn = np.clip(angles[frame], np.maximum(low[frame], before - step), np.minimum(high[frame], before + step))
+        far: Any = np.abs(nearest - before) > step * (1.0 + 1e-9)
+        out[frame] = np.where(free[frame], np.where(far, nearest, drawn), angles[frame])
+        leaps[frame] = np.any(far & free[frame], axis=-1)
+        before = out[frame]
+    return out, leaps
+
+
+def _continuous(links: Array, present: Array) -> Array:
+    """Links (F, ..., 3, 4) with each quaternion on the hemisphere of the frame before."""
+    before = np.concatenate([present[None], links[:-1]])
+    same = (links * before).sum(axis=-1) >= 0.0
+    return np.cumprod(np.where(same, 1.0, -1.0), axis=0)[..., None] * links

@@ -1,0 +1,130 @@
+"""A taut string through a corridor of intervals, one a frame: the way that changes least, and most evenly.
+
+The intervals are what is left of arcs on a circle, when from one frame to the next only so much may change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ahmss.body.array import Array
+
+__all__ = ["Gate", "corridor", "taut_string"]
+
+Gate = tuple[float, float]
+"""The lowest and the highest value that a frame allows."""
+
+_TURN = 2.0 * math.pi
+_INSIDE = 1e-10  # radians by which the string keeps off an arc's end, so that rounding keeps it on the arc
+_WHOLE = 1e-9  # radians: an arc that lacks less of the circle is the circle
+
+
+def corridor(arcs: Array, start: float, step: float) -> list[Gate]:
+    """The gates (F) or fewer, up to the last frame that can be reached from the start by such steps.
+
+    Values are not wrapped: who goes round goes over pi. From every value in a gate one within a step lies in the gate
+    before and one in the gate after it. Where the way parts, that branch is taken whose end lies nearest to the start.
+
+    Args:
+        arcs: (F, n, 2) radians, beginnings and ends of what each frame allows; nan where there are fewer than n.
+        start: the value before the first frame.
+        step: the most that a value changes from frame to frame, up to a whole turn.
+    """
+    reached: list[list[Gate]] = []
+    before: list[Gate] = [(start, start)]
+    for frame in arcs.tolist():
+        grown = _joined([(low - step, high + step) for low, high in before])
+        before = [gate for part in grown for gate in _on_arcs(frame, _capped(part, start))]
+        if not before:
+            break
+        reached.append(before)
+    if not reached:
+        return []
+    gates = [min(reached[-1], key=lambda gate: _distance(gate, start))]
+    for parts in reversed(reached[:-1]):
+        low, high = gates[-1][0] - step, gates[-1][1] + step
+        leading = [(max(low, a), min(high, b)) for a, b in parts if a <= high and b >= low]
+        gates.append(min(leading, key=lambda gate: _distance(gate, start)))
+    gates.reverse()
+    # A gate that two branches led to is reached from the one that was taken only in part.
+    previous = (start, start)
+    for i, (low, high) in enumerate(gates):
+        previous = gates[i] = (max(low, previous[0] - step), min(high, previous[1] + step))
+    return gates
+
+
+def taut_string(gates: Sequence[Gate], start: float) -> Array:
+    """The values (F,) through gates (F) of a string that is fast at the start and free at the end.
+
+    Of all ways through the gates it has the least sum of squared steps, and the smallest largest step.
+    """
+    n = len(gates)
+    out = np.empty(n)
+    at, value = 0, start  # the string's last bend: a count of gates passed, and its value there
+    while at < n:
+        bend, there = _next_bend(gates, at, value)
+        out[at:bend] = np.linspace(value, there, bend - at + 1)[1:]
+        at, value = bend, there
+    return out
+
+
+def _next_bend(gates: Sequence[Gate], at: int, value: float) -> tuple[int, float]:
+    """Where the string that bends at a place bends next; the end of the last level piece is one too."""
+    least, most = -math.inf, math.inf  # the slopes that pass all gates so far
+    least_at = most_at = at
+    for j in range(at + 1, len(gates) + 1):
+        low, high = ((side - value) / (j - at) for side in gates[j - 1])
+        if low > most:
+            return most_at, gates[most_at - 1][1]
+        if high < least:
+            return least_at, gates[least_at - 1][0]
+        if low >= least:
+            least, least_at = low, j
+        if high <= most:
+            most, most_at = high, j
+    if least > 0.0:
+        return least_at, gates[least_at - 1][0]
+    if most < 0.0:
+        return most_at, gates[most_at - 1][1]
+    return len(gates), value
+
+
+def _on_arcs(arcs: list[list[float]], part: Gate) -> list[Gate]:
+    """What arcs on the circle have in common with an interval of the line, in rising order."""
+    low, high = part
+    found: list[Gate] = []
+    for begin, end in arcs:
+        if math.isnan(begin):
+            break
+        if end - begin >= _TURN - _WHOLE:
+            return [part]
+        inset = min(_INSIDE, 0.5 * (end - begin))
+        first, last = math.ceil((low - end) / _TURN), math.floor((high - begin) / _TURN)
+        for turns in range(first, last + 1):
+            a, b = max(low, begin + inset + turns * _TURN), min(high, end - inset + turns * _TURN)
+            if a <= b:
+                found.append((a, b))
+    return sorted(found)
+
+
+def _joined(parts: list[Gate]) -> list[Gate]:
+    """Intervals in rising order, those that touch made one."""
+    out = [parts[0]]
+    for low, high in parts[1:]:
+        if low <= out[-1][1]:
+            out[-1] = (out[-1][0], max(out[-1][1], high))
+        else:
+            out.append((low, high))
+    return out
+
+
+def _capped(part: Gate, start: float) -> Gate:
+    """No more than a turn from the start: beyond it everything comes again."""
+    return max(part[0], start - _TURN), min(part[1], start + _TURN)
+
+
+def _distance(gate: Gate, value: float) -> float:
+    return max(gate[0] - value, value - gate[1], 0.0)

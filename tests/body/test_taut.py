@@ -1,0 +1,112 @@
+"""The taut string against a solver that minimises, and corridors against a search on a grid."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from ahmss.body.taut import corridor, taut_string
+
+from .strategies import seeds
+
+
+def gates_of(rng, n):
+    middle = np.cumsum(rng.normal(size=n) * 0.3)
+    half = rng.uniform(0.01, 0.6, n)
+    return [(m - h, m + h) for m, h in zip(middle.tolist(), half.tolist(), strict=True)]
+
+
+@given(seeds, st.integers(1, 12))
+def test_no_way_through_the_gates_has_smaller_steps(seed, n):
+    rng = np.random.default_rng(seed)
+    gates, start = gates_of(rng, n), float(rng.normal() * 0.3)
+    string = taut_string(gates, start)
+    assert all(low - 1e-12 <= value <= high + 1e-12 for value, (low, high) in zip(string, gates, strict=True))
+
+    def energy(values):
+        return np.sum(np.diff(values, prepend=start) ** 2)
+
+    best = minimize(energy, [(a + b) / 2 for a, b in gates], bounds=gates, method="L-BFGS-B", options={"ftol": 1e-15})
+    assert energy(string) <= best.fun + 1e-9
+
+
+def test_a_string_that_nothing_touches_stays_level():
+    assert np.array_equal(taut_string([(-1.0, 1.0)] * 5, 0.25), np.full(5, 0.25))
+
+
+def test_a_string_bends_only_where_it_must():
+    string = taut_string([(-1, 1), (-1, 1), (-1, 1), (1.5, 2), (-1, 0.3), (-1, 1)], 0.0)
+    assert np.allclose(string, [1 / 3, 2 / 3, 1.0, 1.5, 0.3, 0.3])
+
+
+def arcs_of(*frames):
+    """Arcs (F, 2, 2), nan where a frame has one only."""
+    arcs = np.full((len(frames), 2, 2), np.nan)
+    for i, frame in enumerate(frames):
+        arcs[i, : len(frame)] = frame
+    return arcs
+
+
+def test_a_corridor_takes_the_branch_that_leads_on():
+    """Two arcs; the nearer one ends blind."""
+    parting, blind = [(-1.0, -0.2), (0.1, 1.0)], [(-1.0, -0.6)]
+    arcs = arcs_of([(-1.0, 1.0)], parting, parting, blind)
+    gates = corridor(arcs, 0.05, 0.5)
+    assert len(gates) == 4
+    assert gates[2][1] < -0.1
+    string = taut_string(gates, 0.05)
+    assert np.abs(np.diff(string, prepend=0.05)).max() <= 0.5
+
+
+def test_a_corridor_ends_where_no_step_leads_on():
+    arcs = arcs_of([(-1.0, 1.0)], [(-1.0, 1.0)], [(2.5, 3.0)], [(-1.0, 1.0)])
+    assert len(corridor(arcs, 0.0, 0.2)) == 2
+    assert corridor(arcs[2:], 0.0, 0.2) == []
+    assert len(corridor(arcs, 0.0, 2.0)) == 4
+
+
+def test_a_corridor_goes_over_half_a_turn_without_a_break():
+    arcs = arcs_of([(2.5, 3.5)], [(3.0, 4.0)], [(-3.0, -2.0)], [(-np.pi, np.pi)])
+    gates = corridor(arcs, 3.0, 0.5)
+    assert len(gates) == 4
+    string = taut_string(gates, 3.0)
+    assert string[2] == pytest.approx(2.0 * np.pi - 3.0, abs=1e-6)
+    assert np.abs(np.diff(string)).max() < 0.5
+
+
+@given(seeds, st.floats(0.05, 0.6))
+def test_a_way_is_found_if_and_only_if_a_search_finds_one(seed, step):
+    """On a grid whose steps are a part of the step allowed; arcs that begin and end in between."""
+    rng = np.random.default_rng(seed)
+    cell = step / 8.0
+    grid = np.arange(-int(7.0 / cell), int(7.0 / cell) + 1) * cell
+    frames = []
+    for _ in range(25):
+        begin = rng.uniform(-np.pi, 0.0)
+        middle = begin + rng.uniform(0.6, 2.5)
+        second = middle + rng.uniform(0.1, 1.0)
+        frames.append([(begin, middle), (second, second + rng.uniform(0.3, 1.0))])
+    arcs = arcs_of(*frames)
+    gates = corridor(arcs, 0.0, step)
+    strict, generous = (search(arcs, grid, cell, reach, slack) for reach, slack in ((8, -cell), (10, cell)))
+    assert strict <= len(gates) <= generous
+    if gates:
+        string = taut_string(gates, 0.0)
+        assert np.abs(np.diff(string, prepend=0.0)).max() <= step + 1e-9
+        turned = np.mod(string[:, None] - arcs[: len(gates), :, 0], 2.0 * np.pi)
+        assert (turned <= (arcs[..., 1] - arcs[..., 0])[: len(gates)]).any(axis=-1).all()
+
+
+def search(arcs, grid, cell, reach, slack):
+    """How many frames a search on the grid gets through, moving by so many cells a frame."""
+    at = np.abs(grid) < 0.5 * cell
+    for frame, each in enumerate(arcs):
+        at = np.convolve(at, np.ones(2 * reach + 1), "same") > 0.5
+        fine = np.zeros(len(grid), bool)
+        for begin, end in each:
+            fine |= np.mod(grid - begin + slack, 2.0 * np.pi) <= end - begin + 2.0 * slack
+        at &= fine & (np.abs(grid) <= 2.0 * np.pi)
+        if not at.any():
+            return frame
+    return len(arcs)
