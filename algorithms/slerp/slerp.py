@@ -26,6 +26,7 @@ from ahmss.motion.easing import minimum_jerk
 HANDS = ("right", "left")
 GAZE = 4
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
+MOST_MISSED = 0.06  # metres that are not told of: who was carried to a thing can't lean as who stands before it does
 TURNED_BY = 0.75  # share of the time by which a hand has its orientation
 
 
@@ -39,7 +40,10 @@ class Course:
 
 
 def slerp(task: HumanTask) -> Iterator[Array]:
-    """Frames from the present pose to the clip's last keyframe: the first at once, then all others (N - 1, 260)."""
+    """Frames from the present pose to the clip's last keyframe: the first at once, then all others (N - 1, 260).
+
+    Who is carried is looked at once more before the last frame.
+    """
     clip = task.posture or task.motion
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
@@ -48,8 +52,13 @@ def slerp(task: HumanTask) -> Iterator[Array]:
         _check_reach(task, staged)
     frames = np.arange(1, task.length + 1)
     yield _block(task, staged, frames[:1])
-    if task.length > 1:
-        yield _block(task, staged, frames[1:])
+    blind = max(task.length - 1, 1) if task.carried else 1
+    if blind > 1:
+        yield _block(task, staged, frames[1:blind])
+    if task.carried:
+        _tell_missed(task, staged)
+    if task.length > blind:
+        yield _block(task, staged, frames[blind:])
 
 
 def _block(task: HumanTask, staged: Staged, frames: Array) -> Array:
@@ -158,21 +167,39 @@ def _check_reach(task: HumanTask, staged: Staged) -> None:
     Raises:
         AlgorithmError: says by how much.
     """
+    last = staged.clip.frames - 1
+    first = next(_missing(task, staged, staged.rotations[last], staged.root[last], MOST_MISSING), None)
+    if first is not None:
+        side, missing = first
+        raise AlgorithmError(f"the {side} arm is {missing:.2f} m too short for that from here; stand nearer to it")
+
+
+def _tell_missed(task: HumanTask, staged: Staged) -> None:
+    """Say so where the body was not carried near enough, or is not yet, for a hand to be where it should be now."""
+    for side, missing in _missing(task, staged, task.present.rotations, task.present.root, MOST_MISSED):
+        task.note(
+            f"when the {side} hand should have arrived, its arm was {missing:.2f} m too short; "
+            "let it begin later (`after N`) or take more frames"
+        )
+
+
+def _missing(
+    task: HumanTask, staged: Staged, rotations: Array, root: Array, most: float
+) -> Iterator[tuple[str, float]]:
+    """In a pose (43, 4), (3,) the arms that are too short for the clip's last hands, by more than `most`; metres."""
     skeleton, last = task.human, staged.clip.frames - 1
-    base = staged.base
-    if staged.clip.header.targets == "face":
-        base = face(task, staged.rotations[last], staged.root[last])
+    base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
+    places, _ = forward(rotations, root, skeleton.offsets)
     for row, side in enumerate(HANDS):
         if base is None or not staged.local[last, row, 7]:
             continue
-        places, _ = forward(staged.rotations[last], staged.root[last], skeleton.offsets)
         upper, lower, hand = (INDEX[f"{side}_{link}"] for link in ("upper_arm", "lower_arm", "hand"))
         on_hand = Transform.of(skeleton.grips[row]).inverse()
         wrist = _wanted_grips(task, staged, base, row)[last].then(on_hand).place
         length = np.linalg.norm(skeleton.offsets[lower]) + np.linalg.norm(skeleton.offsets[hand])
         missing = float(np.linalg.norm(wrist - places[upper]) - length)
-        if missing > MOST_MISSING:
-            raise AlgorithmError(f"the {side} arm is {missing:.2f} m too short for that from here; stand nearer to it")
+        if missing > most:
+            yield side, missing
 
 
 def _gaze(task: HumanTask, staged: Staged, course: Course, base: Transform) -> Array:

@@ -7,6 +7,7 @@ import pytest
 
 from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.messages import Goal
+from ahmss.algorithm.performance import Performance
 from ahmss.algorithm.staging import lips
 from ahmss.body.inverse import GAZE, RIGHT_HAND
 from ahmss.body.kinematics import forward
@@ -123,6 +124,29 @@ def test_what_is_out_of_reach_is_refused_with_the_missing_length(action: str, x:
     goal = Goal(place=(1.2, -0.15, 0.88)) if action == "put" else Goal()
     with pytest.raises(AlgorithmError, match=r"right arm is 0\.\d\d m too short"):
         next(iter(frames(program("slerp"), body.start(CUP, action, goal=goal))))
+
+
+@pytest.mark.parametrize(
+    ("length", "moved", "missing"), [(60, 0.0, "1.1"), (60, 1.25, ""), (60, 0.6, "0.5"), (2, 0.0, "1.1")]
+)
+def test_who_was_not_carried_near_enough_in_time_is_told_once_by_how_much(
+    length: int, moved: float, missing: str
+) -> None:
+    """Before the last frame, from where the body is then: it was carried so many metres."""
+    body = Body(x=-1.2)
+    performance = Performance(program("slerp"), body.start(CUP, "reach", frames=length, carried=True))
+    notes: list[list[str]] = []
+    for k in range(1, length + 1):
+        present = body.row(k)
+        present[1] += moved * (k - 1) / (length - 1)
+        assert performance.step(present)
+        notes.append(performance.news())
+    assert performance.over
+    assert not any(notes[:-1])
+    assert len(notes[-1]) == (missing != "")
+    for note in notes[-1]:
+        assert f"its arm was {missing}" in note
+        assert "`after N`" in note
 
 
 def test_standing_needs_no_object_to_look_at() -> None:
