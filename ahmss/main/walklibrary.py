@@ -29,11 +29,18 @@ def build_library(
     """Make a library: the subject's own, or of a folder of captures, filled up with the subject's where it is empty.
 
     Raises:
-        CommandError: the file is there already, or the folder holds no motions.
+        CommandError: the file is there already, or there is no such folder, or it holds no motions.
         DataError: the captures can't be read.
     """
     if out.exists() and not force:
         raise CommandError(f"{out}: it is there already; name another with -o, or say --force to write over it")
+    if captures is not None and not captures.is_dir():
+        what = (
+            "it is a file; name the folder that holds it"
+            if captures.exists()
+            else "there is no such folder; name one that holds motions"
+        )
+        raise CommandError(f"{captures}: {what}, or leave it out for the subject's own walks")
     files = [] if captures is None else files_in(captures)
     if captures is not None and not files:
         raise CommandError(f"{captures}: no motions in this folder; it may hold .bvh, .amc with .asf, .c3d or clips")
