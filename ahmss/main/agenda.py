@@ -6,13 +6,13 @@ import contextlib
 import operator
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ahmss.errors import AhmssError, CommandError, WorldError
 from ahmss.main.aside import aside, at_once
 from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
-from ahmss.main.database import find_object
+from ahmss.main.database import Order, find_object
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest
@@ -131,6 +131,7 @@ class Agenda:
         main = self._main
         actor = main.actor
         orders = [main.database.order(act, main.communication, actor) for act in line.acts]
+        _refuse_two_carriers(orders)
         main.control.begin(orders)
         seconds = max(order.after + order.frames for order in orders) / self._setup.rate
         known = all(order.frames for order in orders)
@@ -232,6 +233,20 @@ class Agenda:
     def _check_name(self, human: str) -> None:
         if human not in ("", self._setup.human):
             raise CommandError(f"this main moves {self._setup.human}, not {human}")
+
+
+def _refuse_two_carriers(orders: Sequence[Order]) -> None:
+    """Of motions made together one may take the body elsewhere: the feet would slide between two.
+
+    Raises:
+        CommandError: names the two.
+    """
+    titles = [order.title for order in orders if order.human_algorithm.carries]
+    if len(titles) > 1:
+        raise CommandError(
+            f"{titles[0]} with {titles[1]}: each takes the body its own way, and only one can at a time; "
+            "do one after the other, each in a line of its own"
+        )
 
 
 def _keep_quiet(text: str) -> None:
