@@ -9,11 +9,14 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
+from ahmss.errors import AlgorithmError
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["REACH", "Goal", "beside", "facing_of"]
+__all__ = ["FARTHEST", "REACH", "Goal", "beside", "check_distance", "facing_of"]
 
 REACH = 0.42  # metres from a thing that has no place of its own to stand at
+# Metres that one walks at once: half an hour, planned in a tenth of a second; time and memory grow with it.
+FARTHEST = 2000.0
 _NEAR = 0.20  # metres that one comes to things to use them
 _DIRECTIONS = 24
 
@@ -24,6 +27,20 @@ class Goal:
 
     place: Array
     facing: float | None
+
+
+def check_distance(goal: Array, human: Array) -> None:
+    """Refuse a goal (2,) that is further from a human (2,) than one walks at once; both in metres.
+
+    Raises:
+        AlgorithmError: says how far it is, and how far one goes.
+    """
+    away = float(np.linalg.norm(goal - human))
+    if away > FARTHEST:
+        x, y = goal.tolist()
+        raise AlgorithmError(
+            f"{x:g} {y:g} is {away / 1000.0:.4g} km away; name a place within {FARTHEST / 1000.0:g} km of the walker"
+        )
 
 
 def facing_of(rotation: Array) -> float:

@@ -15,7 +15,7 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS
 from ahmss.errors import AlgorithmError
-from ahmss.walking.goals import REACH, Goal, beside, facing_of
+from ahmss.walking.goals import REACH, Goal, beside, check_distance, facing_of
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 FEET = slice(2, 4)
@@ -33,8 +33,10 @@ def walk(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("one must stand to walk; stand up first")
     ground = _ground(task)
     goal = _goal(task, ground)
+    check_distance(goal.place, task.start.root[:2])
     trip = Trip(
-        task.human, task.library, ground, goal.place, goal.facing, task.length, partial(_others, task), task.note,
+        task.human, task.library, ground, goal.place, goal.facing, task.length, partial(_others, task),
+        partial(_note, task),
     )  # fmt: skip
     for piece in trip.pieces(task.start.rotations, task.start.root):
         yield _rows(task, piece)
@@ -78,6 +80,11 @@ def _others(task: HumanTask) -> Sequence[Walker]:
         track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
         found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
     return found
+
+
+def _note(task: HumanTask, text: str) -> None:
+    """Tell what a trip has to say; who goes nowhere is told of the turn, not of metres."""
+    task.note(text.replace(" for 0.0 m;", " for a turn on the spot;"))
 
 
 def _rows(task: HumanTask, piece: Piece) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import msgspec
@@ -221,6 +222,19 @@ def test_frames_that_nobody_can_walk_in_are_said_to_be_so(frames_asked: int, sai
     assert len(notes) == 1
     assert said in notes[0]
     assert f"it takes {taken}" in notes[0]
+
+
+def test_too_many_frames_for_a_turn_are_told_of_the_turn() -> None:
+    body = Body("ken", *FROM)
+    taken, notes = heard(start(body, Goal(facing=float(np.radians(90.0))), frames=2000))
+    assert notes == [f"2000 frames are too many for a turn on the spot; it takes {taken}"]
+
+
+@pytest.mark.parametrize(("x", "said"), [(1e9, "1e+06 km away"), (-2003.0, "2.002 km away")])
+def test_what_is_further_than_one_walks_at_once_is_refused(x: float, said: str) -> None:
+    body = Body("ken", *FROM)
+    with pytest.raises(AlgorithmError, match=f"{re.escape(said)}; name a place within 2 km of the walker"):
+        walked(body, start(body, to(x, -1.5)))
 
 
 def test_somebody_who_stands_in_the_way_is_walked_round() -> None:
