@@ -23,14 +23,14 @@ _APART = 0.7  # metres that two walkers' middles shall keep apart where one goes
 _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
 _PASSING = 1.5  # metres: who gets no nearer is not gone round
-_MOVING = 0.1  # m/s
+_MOVING, _STRIDE = 0.1, 1.1  # m/s: of who is not standing, of who walks
 _STEP, _MOMENT = 0.55, 0.15  # seconds over which a velocity is known, and in which it may have changed
 _CHANGED, _SLOWING = 0.65, 0.3  # share of the speed that is a change of it; seconds in which one stops
 _SLOWER = (0.85, 0.7)  # shares of the speed
 _TURNED, _LEFT, _SLOWED, _STOPPED, _LONGER = 0.3, 0.15, 1.6, 1.6, 0.6  # costs; the last one a metre
 _HARD, _SOFT = 1.0, 0.6  # what a stop in less than so many metres costs more, a metre
 _RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
-_LIKELY = 0.2  # how much it counts that who walks may stop
+_LIKELY = 0.6  # how much it counts that who walks may stop
 _SHARPEST = 1.6  # 1/m, of a bend in which a walker turns in
 _GENTLE = 0.9  # 1/m: a bend as gentle as that is not made gentler
 _JOINS = (0.6, 0.9, 1.2, 1.6, 2.0, 2.6, 3.2)  # metres further on at which it may be on the other course
@@ -66,6 +66,15 @@ class Walker:
         """Where they will be (..., 2)."""
         going = _SLOWING * (1.0 - np.exp(-seconds / _SLOWING)) if self.stops else seconds
         return self.place + going[..., None] * self.velocity
+
+    def may_go(self) -> Iterator[Walker]:
+        """In which ways they may go on, who have perhaps just set out: soon at full stride, or soon no more."""
+        speed = float(np.linalg.norm(self.velocity))
+        yield self
+        if _MOVING < speed < _STRIDE:
+            yield Walker(self.place, _STRIDE / speed * self.velocity)
+        if speed > _MOVING and not self.stops:
+            yield replace(self, stops=True)
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,8 @@ _TRIED = 4  # ways out that are looked at closely
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 _AGAIN = 12  # frames after which who waits looks again
 _POLITE, _BESIDE, _STANDS = 4.0, 2.2, 0.1  # seconds that one lets others go first, who are so near and so slow (m/s)
+_LOOKS, _ABOUT = 1.2, 4.8  # seconds that one looks, before setting out, whether others do who are so near
+_ASIDE, _YIELDS = 0.85, 1.0  # metres that one steps aside for who wants to be where one is, after so many seconds
 _FIRST = np.array([0.8, 0.6])  # who stands further that way goes first: any way serves
 _IMPATIENT = 0.25  # metres: how much nearer one goes in the end
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
@@ -91,26 +93,29 @@ class Trip:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
         now = footing(self.skeleton, rotations, root, self.standing)
-        going = self._begun(now)
+        going, free = self._begun(now)
         self._say_frames(going)
         self._rate, self._pace = float(going.rates[0]), going.natural / len(going.rates)
+        if not free or self._lets_go(self._ahead(going, 0), _ABOUT):
+            going = yield from self._wait(_piece(going, -1, 0), now, looks=_LOOKS)
         while True:
             going, over = yield from self._steps(going)
             if over:
                 return
-            nearer = yield from self._wait(going)
-            now = self._footing_after(going)
-            going = self._set_out(now, self._circles(nearer), pace=self._pace)
+            going = yield from self._wait(_last(going), self._footing_after(going))
 
     # Planning
 
-    def _begun(self, now: Footing) -> Journey:
-        """The walk as it is first planned: round those who are so near that the first step would be too late for it."""
+    def _begun(self, now: Footing) -> tuple[Journey, bool]:
+        """The walk as it is first planned, and whether others let it begin.
+
+        It leads round those who are so near that the first step would be too late for it; where none does, one waits.
+        """
         near = [(x, y, r) for x, y, r in self._circles() if np.hypot(x - now.place[0], y - now.place[1]) < _NEAR]
         if near:
             with contextlib.suppress(NoWay):
-                return self._set_out(now, near, frames=self.frames)
-        return self._set_out(now, frames=self.frames)
+                return self._set_out(now, near, frames=self.frames), True
+        return self._set_out(now, frames=self.frames), not near
 
     def _set_out(
         self, now: Footing, circles: Sequence[tuple[float, float, float]] = (), frames: int = 0, pace: float = 1.0
@@ -119,24 +124,27 @@ class Trip:
         facing = float(course.heading[-1]) if self.facing is None else self.facing
         if self.facing is None and course.length < SPOT:
             facing = now.heading
-        made = journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
-        if pace == 1.0:
-            return made
-        frames = round(made.natural / pace)
+        made = self._journey(now, course, facing, frames)
+        return made if pace == 1.0 else self._journey(now, course, facing, round(made.natural / pace))
+
+    def _journey(self, now: Footing, course: Course, facing: float, frames: int = 0) -> Journey:
         return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
 
-    def _course(self, place: Array, heading: float, circles: Sequence[tuple[float, float, float]]) -> Course:
+    def _course(
+        self, place: Array, heading: float, circles: Sequence[tuple[float, float, float]], goal: Array | None = None
+    ) -> Course:
         return plan(
-            place, self.goal, self.ground.outlines, radius=RADIUS, circles=circles, start_heading=heading,
-            names=self.ground.names,
+            place, self.goal if goal is None else goal, self.ground.outlines, radius=RADIUS, circles=circles,
+            start_heading=heading, names=self.ground.names,
         )  # fmt: skip
 
     def _say_frames(self, going: Journey) -> None:
         """Say so where the frames asked for are none that people walk in."""
         if self.frames and not going.fewest <= self.frames <= going.most:
-            few = self.frames < going.fewest
+            few, course = self.frames < going.fewest, going.line.course
+            what = "a turn on the spot" if course.length < SPOT else f"{course.length:.1f} m"
             self.note(
-                f"{self.frames} frames are too {'few' if few else 'many'} for {going.line.course.length:.1f} m; "
+                f"{self.frames} frames are too {'few' if few else 'many'} for {what}; "
                 f"it takes {going.fewest if few else going.most}"
             )
 
@@ -158,10 +166,10 @@ class Trip:
                 seam, made = 0, 0
         return going, not stopping  # pyright: ignore[reportReturnType]
 
-    def _meets(self, going: Journey, made: int, nearer: float = 0.0) -> bool:
-        """Whether somebody comes too near in the next seconds; they may come nearer by so many metres."""
+    def _meets(self, going: Journey, made: int) -> bool:
+        """Whether somebody comes too near in the next seconds."""
         others = self.others()
-        return bool(others) and least(self._ahead(going, made), others) < MET - nearer
+        return bool(others) and least(self._ahead(going, made), others) < MET
 
     @staticmethod
     def _ahead(going: Journey, made: int) -> Array:
@@ -227,33 +235,62 @@ class Trip:
         """Others as circles, where they are; one may pass nearer to them by so many metres."""
         return [(*other.place.tolist(), _APART - RADIUS - nearer) for other in self.others()]
 
-    def _wait(self, going: Journey) -> Iterator[Piece]:  # -> metres
-        """Stand until the way is free; and how much nearer to others the walker goes then, the longer it has stood."""
-        last = _piece(going, going.seams[-1] - 1, going.seams[-1])
-        count = round(_PATIENCE * RATE)
+    def _wait(self, last: Piece, now: Footing, looks: float = 0.0) -> Iterator[Piece]:  # -> Journey
+        """Stand until the way is free; the walk from there, the nearer to others the longer one has stood.
+
+        Who stands where another wants to be, and is to go second, steps aside.
+
+        Args:
+            last: the frame in which one stands. now: where.
+            looks: seconds that one stands in any case, to see where others go; 0: others may go first.
+        """
+        count, aside = round(_PATIENCE * RATE), False
         for frame in range(count):
             yield last
-            if frame % _AGAIN:
+            if frame % _AGAIN or frame < looks * RATE:
                 continue
+            if not aside and frame >= _YIELDS * RATE:
+                away = self._aside(now)
+                if away is not None:
+                    yield _piece(away, 0, away.seams[-1])
+                    last, now, aside = _last(away), self._footing_after(away), True
             nearer = _IMPATIENT * frame / count
             try:
-                ahead = self._set_out(self._footing_after(going), self._circles(nearer), pace=self._pace)
+                ahead = self._set_out(now, self._circles(nearer), pace=self._pace)
             except NoWay:
                 continue
-            if frame < _POLITE * RATE and self._lets_go(self._ahead(ahead, 0)):
+            if not looks and frame < _POLITE * RATE and self._lets_go(self._ahead(ahead, 0), _BESIDE):
                 continue
-            if not self._meets(ahead, 0, nearer):
-                return nearer
+            ways = [way for other in self.others() for way in other.may_go()]
+            if least(self._ahead(ahead, 0), ways) >= MET - nearer:
+                return ahead  # pyright: ignore[reportReturnType]
         raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
 
-    def _lets_go(self, own: Array) -> bool:
+    def _lets_go(self, own: Array, beside: float) -> bool:
         """Whether somebody who stands ahead is to go first, if they want to: of two only one waits for the other."""
         for other in self.others():
             way = other.place - own[0]
-            stands = np.linalg.norm(other.velocity) < _STANDS and np.linalg.norm(way) < _BESIDE
+            stands = np.linalg.norm(other.velocity) < _STANDS and np.linalg.norm(way) < beside
             if stands and way @ _FIRST > 0.0 and way @ (own[-1] - own[0]) > 0.0:
                 return True
         return False
+
+    def _aside(self, now: Footing) -> Journey | None:
+        """A step out of the way of somebody who stands at the goal and is to go first; None: there is none, or no room.
+
+        To the right if there is room, else to the left.
+        """
+        for other in self.others():
+            way = other.place - now.place
+            if np.linalg.norm(other.place - self.goal) > _APART or way @ _FIRST <= 0.0:
+                continue
+            right = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+            for side in (_ASIDE * right, -_ASIDE * right):
+                with contextlib.suppress(NoWay):
+                    course = self._course(now.place, now.heading, self._circles(), now.place + side)
+                    if course.length < 1.2 * _ASIDE:
+                        return self._journey(now, course, now.heading)
+        return None
 
     def _footing_after(self, going: Journey) -> Footing:
         """How the walker stands at the end of a walk."""
@@ -267,3 +304,8 @@ def _piece(going: Journey, first: int, last: int) -> Piece:
     """The frames after `first` up to `last`."""
     shaped = going.shaping.part(first + 1, last + 1)
     return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet)
+
+
+def _last(going: Journey) -> Piece:
+    """The frame in which a walk ends."""
+    return _piece(going, going.seams[-1] - 1, going.seams[-1])

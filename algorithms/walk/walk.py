@@ -36,7 +36,7 @@ def walk(task: HumanTask) -> Iterator[Array]:
     check_distance(goal.place, task.start.root[:2])
     trip = Trip(
         task.human, task.library, ground, goal.place, goal.facing, task.length, partial(_others, task),
-        partial(_note, task),
+        task.note,
     )  # fmt: skip
     for piece in trip.pieces(task.start.rotations, task.start.root):
         yield _rows(task, piece)
@@ -80,11 +80,6 @@ def _others(task: HumanTask) -> Sequence[Walker]:
         track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
         found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
     return found
-
-
-def _note(task: HumanTask, text: str) -> None:
-    """Tell what a trip has to say; who goes nowhere is told of the turn, not of metres."""
-    task.note(text.replace(" for 0.0 m;", " for a turn on the spot;"))
 
 
 def _rows(task: HumanTask, piece: Piece) -> Array:

@@ -129,3 +129,10 @@ def test_one_turns_in_gently(towards: float) -> None:
 
 def test_one_does_not_turn_about_in_walking() -> None:
     assert turned_into(STILL, 0.0, straight(3.0, 2.9, (0.3, 0.0))) is None
+
+
+def test_who_sets_out_will_soon_walk_or_stop() -> None:
+    ways = list(Walker(np.zeros(2), np.array([0.0, 0.3])).may_go())
+    np.testing.assert_allclose([way.velocity for way in ways], [[0.0, 0.3], [0.0, 1.1], [0.0, 0.3]])
+    assert [way.stops for way in ways] == [False, False, True]
+    assert len(list(Walker(np.zeros(2), np.array([0.05, 0.0])).may_go())) == 1

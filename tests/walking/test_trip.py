@@ -283,3 +283,37 @@ def test_two_whose_ways_cross_do_not_run_into_each_other() -> None:
     last = max(map(len, ways))
     a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
     assert np.linalg.norm(a - b, axis=-1).min() > APART
+
+
+@pytest.mark.parametrize("turned", [0.0, 2.0, 4.0])
+@pytest.mark.parametrize("apart", [0.8, 1.5, 2.3, 3.0, 3.6, 4.5])
+def test_two_who_change_places_pass_each_other(apart: float, turned: float) -> None:
+    there = (apart * np.cos(turned), apart * np.sin(turned))
+    ways = both((0.0, 0.0), there, (there, (0.0, 0.0)))
+    last = max(map(len, ways))
+    a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
+    assert np.linalg.norm(a - b, axis=-1).min() > APART
+    assert np.linalg.norm(a[-1] - there) < 0.01
+    assert np.linalg.norm(b[-1]) < 0.01
+
+
+@pytest.mark.parametrize("away", [0.6, 1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_nobody_walks_into_who_stands_at_the_goal(away: float, side: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trip, "_PATIENCE", 2.0)
+    places: list[Array] = []
+    body, other = m.subject("ken"), np.array([side * away, 0.1])
+    rotations, root = body.at((0.0, 0.0), 0.0)
+    one = Trip(body.skeleton, m.library(), Ground(), other, None, 0, lambda: (Walker(other, np.zeros(2)),))
+    with pytest.raises(AlgorithmError, match="somebody stands in the way"):  # noqa: PT012 (what came before counts)
+        for piece in one.pieces(rotations, root):
+            places.extend(piece.root[:, :2])
+    assert np.linalg.norm(np.array(places) - other, axis=-1).min() > min(APART, away - 0.05)
+
+
+def test_who_goes_second_looks_where_the_other_goes() -> None:
+    """Both set out at once, and the hips of who sets out go to one side first."""
+    ways = both((1.97, -0.75), (-0.79, -0.33), ((-0.6, -0.47), (1.53, -1.13)))
+    last = max(map(len, ways))
+    a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
+    assert np.linalg.norm(a - b, axis=-1).min() > APART
