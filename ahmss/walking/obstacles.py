@@ -23,7 +23,8 @@ __all__ = ["NEAREST", "SLOPE", "Ends", "NoWay", "Obstacles", "nearest_free"]
 NEAREST = 0.12  # metres from a footprint to the middle of one who stands at it: half a trunk's depth
 SLOPE = 0.4  # by how much the clearance grows with the way from a place that lacks it: 24 degrees off an edge
 _STEEP = 0.8  # the same for one who starts within a footprint: straight out
-_BENT = 0.5  # of that growth, what is left where a way bends
+_ARRIVING = 1.5  # how much faster it grows from a goal: who arrives turns there, and the feet swing wider than the hips
+_BENT = np.array([0.5, 1.0])  # of that growth, what is left where a way bends, near the start and near the goal
 _LEVELS = 3  # steps by which that growth is cut from the blocked floor
 _QUARTER = 2  # segments of a rounded corner of 90 degrees
 
@@ -84,7 +85,8 @@ class Obstacles:
     def ends(self, start: Array, goal: Array, slope: float = SLOPE) -> Ends:
         """What the two places of a walk allow."""
         near = np.stack([self.clearance(start), self.clearance(goal)])
-        return Ends(np.stack([start, goal]), near, np.where(near < NEAREST / 2, _STEEP, slope))
+        grows = slope * np.array([[1.0], [_ARRIVING]])
+        return Ends(np.stack([start, goal]), near, np.where(near < NEAREST / 2, _STEEP, grows))
 
     def left(self, ends: Ends) -> NDArray[np.bool_]:
         """(m,) which obstacles the start lies within."""
