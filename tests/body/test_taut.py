@@ -59,6 +59,24 @@ def test_a_corridor_takes_the_branch_that_leads_on():
     assert np.abs(np.diff(string, prepend=0.05)).max() <= 0.5
 
 
+def test_what_lies_between_two_branches_is_not_reached():
+    arcs = arcs_of([(-1.0, 1.0)], [(-1.0, -0.6), (0.6, 1.0)], [(-0.05, 0.05)])
+    assert len(corridor(arcs, 0.0, 0.6)) == 3
+    assert len(corridor(arcs, 0.0, 0.5)) == 2
+
+
+def test_of_two_branches_that_lead_on_the_nearer_one_is_taken():
+    arcs = arcs_of([(-1.0, 1.0)], [(-1.0, -0.3), (0.2, 1.0)], [(-1.0, -0.3), (0.2, 1.0)])
+    assert np.allclose(taut_string(corridor(arcs, 0.0, 0.5), 0.0), [0.1, 0.2, 0.2])
+    assert np.allclose(taut_string(corridor(-arcs[..., ::-1], 0.0, 0.5), 0.0), [-0.1, -0.2, -0.2])
+
+
+def test_a_whole_circle_has_no_seam():
+    arcs = arcs_of(*[[(-np.pi, np.pi)]] * 3)
+    gates = corridor(arcs, np.pi - 0.1, 0.2)
+    assert np.allclose(gates, [(np.pi - 0.1 - 0.2 * k, np.pi - 0.1 + 0.2 * k) for k in (1, 2, 3)], rtol=0, atol=1e-12)
+
+
 def test_a_corridor_ends_where_no_step_leads_on():
     arcs = arcs_of([(-1.0, 1.0)], [(-1.0, 1.0)], [(2.5, 3.0)], [(-1.0, 1.0)])
     assert len(corridor(arcs, 0.0, 0.2)) == 2
