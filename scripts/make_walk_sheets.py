@@ -1,17 +1,19 @@
 """Contact sheets of walking, to be looked at: from the side and from above, of both humans, in out/walk/.
 
-    python scripts/make_walk_sheets.py [CAPTURE.bvh | --docs]
+    python scripts/make_walk_sheets.py [CAPTURE.bvh] [--docs]
 
-A straight walk, a start to the left, a step aside, a walk round the table; and of a capture, if one is named, the same
-views of the person who performed it. `--docs` makes docs/pictures/walk.png out of some of them.
+A straight walk, a start to the left, a step aside, a walk round the table. If a capture is named, also the person who
+performed it, from the same distances as the straight walk, the camera going along with both. `--docs` makes
+docs/pictures/walk.png out of some of them.
 """
 
 from __future__ import annotations
 
+import argparse
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +29,10 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Case:
-    """A walk: the scene, where the human stands at first, what it does; cameras that look at a place."""
+    """A walk: the scene, where the human stands at first, what it does; cameras that look at a place.
+
+    follow: whether the cameras go along with the human.
+    """
 
     scene: str
     at: str
@@ -36,18 +41,32 @@ class Case:
     above: Place
     looks_at: Place
     every: int
+    follow: bool = False
+
+
+FLOORS = "floor at -3 0\nadd floor as floor_2 at 3 0"  # 12 by 6 metres: a captured walk is 8 m long
+
+
+def along(x: float) -> tuple[Place, Place, Place]:
+    """Cameras at the side and above, and what they look at, for who begins to walk along x there."""
+    return (x, -3.5, 1.1), (x, -0.1, 3.9), (x, 0.0, 0.85)
 
 
 CASES = {
-    "straight": Case("floor", "-1.5 0", "floor walk to 1.5 0", (0.0, -5.0, 1.1), (0.0, -0.1, 5.0), (0.0, 0.0, 0.85), 9),
+    "straight": Case(FLOORS, "-3 0", "floor walk to 3 0", *along(-3.0), 9, follow=True),
     "start_90": Case("floor", "0 -0.9", "floor walk to 0 0.9", (3.8, 0.0, 1.2), (-0.1, 0.0, 4.0), (0.0, 0.0, 0.85), 7),
     "aside": Case(
         "floor", "0 0", "floor walk to 0 -0.3 facing 0", (2.7, -0.15, 1.1), (-0.1, -0.15, 3.2), (0.0, -0.15, 0.85), 7
     ),
     "round_the_table": Case(
-        "room", "-1.0 1.2", "floor walk to 1.75 -0.1 facing 180", (0.2, 3.7, 2.0), (0.6, 0.6, 5.6), (0.7, 0.5, 0.6), 12
+        "room", "-1.0 1.2", "floor walk to 1.75 -0.1 facing 180", (0.2, 3.7, 2.0), (0.4, 0.45, 6.3),
+        (0.4, 0.55, 0.6), 12,
     ),
 }  # fmt: skip
+PICTURED = CASES | {
+    "straight": Case("floor", "-1.5 0", "floor walk to 1.5 0", (0.0, -5.0, 1.1), (0.0, -0.1, 5.0), (0.0, 0.0, 0.85), 9)
+}
+"""The documentation's: there the straight walk passes a camera that stands, so that one sees it get on."""
 
 
 def run(*arguments: str) -> None:
@@ -57,9 +76,11 @@ def run(*arguments: str) -> None:
         sys.exit(f"ahmss {' '.join(arguments)}\n{done.stdout}{done.stderr}")
 
 
-def sheets(recording: Path, name: str, case: Case) -> None:
+def sheets(recording: Path, human: str, name: str, case: Case) -> None:
     """Both views of a recording."""
     looked_at = ["--look-at", *map(str, case.looks_at)]
+    if case.follow:
+        looked_at += ["--follow", human]
     for view, camera in (("side", case.side), ("above", case.above)):
         target = OUT / f"{name}_{view}.png"
         size = "420x300" if view == "side" else "300x300"
@@ -75,31 +96,30 @@ def walk(folder: Path, human: str, name: str, case: Case) -> None:
     script, recording = folder / "walk.txt", folder / "walk.rec"
     script.write_text(f"add {case.scene}\nhuman {human} body {human} at {case.at}\ndo {case.do}\n")
     run("play", str(script), "--fast", "--record", str(recording))
-    sheets(recording, f"{human}_{name}", case)
+    sheets(recording, human, f"{human}_{name}", case)
 
 
 def capture(folder: Path, file: Path) -> None:
-    """A captured walk, from the same side and from above."""
+    """A captured walk as the straight walk of ours is seen: along x, from the same distances."""
     home = folder / "lab"
     run("init", str(home))
     clip = home / "objectdb" / "floor" / "captured.npz"
     run("motion", "import", str(file), "--body", "aiko", "-o", str(clip))
     motion = load(clip)
-    middle = 0.5 * (motion.root[0, :2] + motion.root[-1, :2])
-    length = float(np.linalg.norm(motion.root[-1, :2] - motion.root[0, :2]))
+    way = motion.root[-1, :2] - motion.root[0, :2]
+    x = -0.5 * float(np.linalg.norm(way))
     with (home / "objectdb" / "floor" / "object.toml").open("a") as record:
         record.write(
             '\n[affordances.captured]\nhuman_algorithm = "playback"\nmotion = "captured.npz"\n'
             f"frames = {round(motion.duration * 60)}\n"
         )
     script, recording = folder / "captured.txt", folder / "captured.rec"
-    script.write_text(f"add floor\nhuman aiko body aiko at {-middle[0]:.3f} {-middle[1]:.3f}\ndo floor captured\n")
+    facing = -float(np.degrees(np.arctan2(way[1], way[0])))
+    script.write_text(f"add {FLOORS}\nhuman aiko body aiko at {x:.3f} 0 facing {facing:.2f}\ndo floor captured\n")
     run("play", str(script), "--workspace", str(home), "--fast", "--record", str(recording))
-    far = 1.0 + 0.95 * length
-    case = CASES["straight"]
-    sheets(recording, f"captured_{file.stem}", Case(
-        case.scene, "", "", (0.0, -far, 1.1), (0.0, -0.1, 1.5 + 0.9 * length), case.looks_at, case.every
-    ))  # fmt: skip
+    side, above, looks_at = along(x)
+    case = replace(CASES["straight"], side=side, above=above, looks_at=looks_at)
+    sheets(recording, "aiko", f"captured_{file.stem}", case)
 
 
 def picture(folder: Path) -> None:
@@ -109,11 +129,11 @@ def picture(folder: Path) -> None:
         ("aiko", "straight", 92, 8), ("ken", "start_90", 30, 14), ("aiko", "aside", 30, 14),
         ("ken", "round_the_table", 60, 44),
     ):  # fmt: skip
-        case = CASES[name]
+        case = PICTURED[name]
         script, recording = folder / "walk.txt", folder / "walk.rec"
         script.write_text(f"add {case.scene}\nhuman {human} body {human} at {case.at}\ndo {case.do}\n")
         run("play", str(script), "--fast", "--record", str(recording))
-        camera = case.above if name == "round_the_table" else (case.side[0] * 0.9, case.side[1] * 0.9, case.side[2])
+        camera = case.above if name == "round_the_table" else case.side
         tiles: list[Image.Image] = []
         for number in range(7):
             shot = folder / "shot.png"
@@ -135,18 +155,21 @@ def picture(folder: Path) -> None:
 
 
 def main() -> None:
-    """All sheets."""
-    if sys.argv[1:] == ["--docs"]:
-        with tempfile.TemporaryDirectory(prefix="ahmss-walk-") as folder:
-            picture(Path(folder))
-        return
-    OUT.mkdir(parents=True, exist_ok=True)
+    """All sheets, or the picture of the documentation."""
+    parser = argparse.ArgumentParser(description="Make contact sheets of walking in out/walk/, to be looked at.")
+    parser.add_argument("capture", nargs="?", type=Path, help="a BVH file of a walk, to be seen beside ours")
+    parser.add_argument("--docs", action="store_true", help="make docs/pictures/walk.png instead")
+    asked = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="ahmss-walk-") as folder:
+        if asked.docs:
+            picture(Path(folder))
+            return
+        OUT.mkdir(parents=True, exist_ok=True)
         for human in ("ken", "aiko"):
             for name, case in CASES.items():
                 walk(Path(folder), human, name, case)
-        if len(sys.argv) > 1:
-            capture(Path(folder), Path(sys.argv[1]))
+        if asked.capture:
+            capture(Path(folder), asked.capture)
 
 
 if __name__ == "__main__":
