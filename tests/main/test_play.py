@@ -249,22 +249,32 @@ def test_a_script_that_takes_away_what_it_adds_can_be_played_again(
     assert done.returncode == 0, done.stderr
 
 
+def _listens_to_interrupts() -> None:
+    """A program that is started in the background is born deaf to them."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_interrupt_stops_the_motion_and_not_the_console(workspace: Path, server: Callable[..., ServerProcess]) -> None:
     address = server().address
     command = [sys.executable, "-m", "ahmss", "main", "--server", address, "--workspace", str(workspace)]
     console = subprocess.Popen(
         [*command, "--human", "ken"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        preexec_fn=_listens_to_interrupts,
     )  # fmt: skip
     assert console.stdin is not None
     assert console.stdout is not None
-    console.stdin.write("add box as b at 0.3 0 1\nwait 600\n")
-    console.stdin.flush()
-    for line in console.stdout:
-        if "wait 600" in line:
-            break
-    time.sleep(0.3)
-    os.kill(console.pid, signal.SIGINT)
-    rest, _ = console.communicate("remove b\nquit\n", timeout=30)
+    try:
+        console.stdin.write("add box as b at 0.3 0 1\nwait 600\n")
+        console.stdin.flush()
+        for line in console.stdout:
+            if "wait 600" in line:
+                break
+        time.sleep(0.3)
+        os.kill(console.pid, signal.SIGINT)
+        rest, _ = console.communicate("remove b\nquit\n", timeout=30)
+    finally:
+        console.kill()
+        console.wait()
     assert "stopped" in rest
     assert "b is gone" in rest
     assert console.returncode == 0
