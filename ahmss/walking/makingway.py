@@ -24,6 +24,7 @@ _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
 _PASSING = 1.5  # metres: who gets no nearer is not gone round
 _MOVING, _STRIDE = 0.1, 1.1  # m/s: of who is not standing, of who walks
+_STOPPING = np.array([0.3, 0.8, 1.3])  # seconds in which who goes on may have stopped
 _STEP, _MOMENT = 0.55, 0.15  # seconds over which a velocity is known, and in which it may have changed
 _CHANGED, _SLOWING = 0.65, 0.3  # share of the speed that is a change of it; seconds in which one stops
 _SLOWER = (0.85, 0.7)  # shares of the speed
@@ -68,13 +69,14 @@ class Walker:
         return self.place + going[..., None] * self.velocity
 
     def may_go(self) -> Iterator[Walker]:
-        """In which ways they may go on, who have perhaps just set out: soon at full stride, or soon no more."""
+        """In which ways they may go on, who have perhaps just set out: soon at full stride, or to somewhere ahead."""
         speed = float(np.linalg.norm(self.velocity))
         yield self
         if _MOVING < speed < _STRIDE:
             yield Walker(self.place, _STRIDE / speed * self.velocity)
-        if speed > _MOVING and not self.stops:
-            yield replace(self, stops=True)
+        if speed > _MOVING:
+            for place in self.after(_STOPPING):
+                yield Walker(place, np.zeros(2))
 
 
 @dataclass(frozen=True)

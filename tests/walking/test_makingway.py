@@ -133,6 +133,6 @@ def test_one_does_not_turn_about_in_walking() -> None:
 
 def test_who_sets_out_will_soon_walk_or_stop() -> None:
     ways = list(Walker(np.zeros(2), np.array([0.0, 0.3])).may_go())
-    np.testing.assert_allclose([way.velocity for way in ways], [[0.0, 0.3], [0.0, 1.1], [0.0, 0.3]])
-    assert [way.stops for way in ways] == [False, False, True]
+    np.testing.assert_allclose([way.velocity for way in ways], [[0.0, 0.3], [0.0, 1.1]] + 3 * [[0.0, 0.0]])
+    np.testing.assert_allclose([way.place[1] for way in ways[2:]], [0.09, 0.24, 0.39])
     assert len(list(Walker(np.zeros(2), np.array([0.05, 0.0])).may_go())) == 1
