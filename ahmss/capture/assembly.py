@@ -191,8 +191,9 @@ class _SweepClock:
 
     Arrivals are late at times, never early, so the earliest are believed: `base`, when sweep 0 would have come by them.
     It may drift a little, as clocks differ, and no more: what comes before its time by these numbers was numbered too
-    high after something late, and to believe that, too, would make time run fast with every delay. What comes in a
-    burst after a stall of this machine is no loss. A strict clock keeps a line in step with others: it also holds back
+    high after something late, and to believe that, too, would make time run fast with every delay. What comes at once
+    after a stall of this machine is no loss; what comes of it in several reads is taken for one, near the rate that is
+    asked for, and time is then ahead by the stall. A strict clock keeps a line in step with others: it also holds back
     a device that is too fast, and leaves a gap only where the delay lasts, as after a stall of a moment it would have
     to make up for it. One that is not strict takes a line that is slow all the time for what it is, and numbers its
     sweeps by the nearest time.
