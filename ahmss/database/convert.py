@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ahmss.body.array import Array
 from ahmss.database.glb import Part, write_glb
 from ahmss.database.missing import check_files
 from ahmss.database.normals import closed, corner_normals, weld
@@ -20,6 +21,7 @@ from ahmss.database.soup import Soup
 from ahmss.database.texture import Texture, box_projection, read_texture
 from ahmss.database.workspace import Workspace
 from ahmss.errors import DataError
+from ahmss.states.behaviour import PART
 
 __all__ = ["MOST_FACES", "convert_shape"]
 
@@ -47,6 +49,7 @@ def convert_shape(workspace: Workspace, kind: ObjectKind) -> Shape:
     soup = soup.proper()
     if not len(soup.triangles):
         raise DataError(label, "", "no faces with an area: all its triangles are lines or points")
+    _check_parts(soup, kind, label)
     if kind.color is not None:
         soup = replace(soup, colors=np.tile(np.array(kind.color, np.uint8), (len(soup.triangles), 1)))
     texture = read_texture(kind.texture, workspace.label(kind.texture)) if kind.texture else None
@@ -115,29 +118,47 @@ def _textured(soup: Soup, kind: ObjectKind, label: str) -> NDArray[np.bool_]:
     return np.isin(soup.layer, [soup.layers.index(layer) for layer in kind.texture_layers])
 
 
+def _check_parts(soup: Soup, kind: ObjectKind, label: str) -> None:
+    """Refuse an appearance of a part that the shape does not have."""
+    for part in kind.behaviour.parts:
+        if part not in soup.layers:
+            raise DataError(
+                label, "", f'no layer "{part}" for the appearances; the shape has: {", ".join(soup.layers)}'
+            )
+
+
 def _parts(soup: Soup, kind: ObjectKind, textured: NDArray[np.bool_] | None) -> list[Part]:
-    """The shape in one part of colours and one that wears the picture."""
+    """The shape in one part of colours and one that wears the picture, but for those parts whose look changes."""
     points = weld(soup.triangles)
     normals = corner_normals(soup.triangles, points)
     two_sided = kind.two_sided if kind.two_sided is not None else not closed(points)
     wears = np.zeros(len(soup.triangles), bool) if textured is None else textured
-    out: list[Part] = []
-    for name, chosen in (("coloured", ~wears), ("textured", wears)):
-        if not chosen.any():
-            continue
-        uv = None
-        if name == "textured":
-            own = soup.uv
-            uv = box_projection(soup.triangles[chosen], kind.texture_size) if own is None else own[chosen]
-            uv = uv.reshape(-1, 2)
-        out.append(
-            Part(
-                name,
-                soup.triangles[chosen].reshape(-1, 3),
-                normals[chosen].reshape(-1, 3),
-                np.repeat(soup.colors[chosen], 3, axis=0),
-                uv,
-                two_sided,
-            )
-        )
-    return out
+    own = [soup.layers.index(part) for part in kind.behaviour.parts]
+    rest = ~np.isin(soup.layer, own)
+    groups = [("coloured", rest & ~wears), ("textured", rest & wears)]
+    groups += [(PART + soup.layers[number], soup.layer == number) for number in own]
+    return [
+        _part(name, chosen, soup, normals, kind, two_sided=two_sided, textured=bool(wears[chosen].any()))
+        for name, chosen in groups
+        if chosen.any()
+    ]
+
+
+def _part(
+    name: str, chosen: NDArray[np.bool_], soup: Soup, normals: Array, kind: ObjectKind, *, two_sided: bool,
+    textured: bool,
+) -> Part:  # fmt: skip
+    """The chosen triangles."""
+    uv = None
+    if textured:
+        own = soup.uv
+        uv = box_projection(soup.triangles[chosen], kind.texture_size) if own is None else own[chosen]
+        uv = uv.reshape(-1, 2)
+    return Part(
+        name,
+        soup.triangles[chosen].reshape(-1, 3),
+        normals[chosen].reshape(-1, 3),
+        np.repeat(soup.colors[chosen], 3, axis=0),
+        uv,
+        two_sided,
+    )

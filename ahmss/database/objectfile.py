@@ -10,14 +10,14 @@ import msgspec
 import numpy as np
 
 from ahmss.body.quaternion import from_axis_angle, multiply
-from ahmss.database.condition import parse_condition
 from ahmss.database.document import Document, one_of
 from ahmss.database.freshness import Watched
 from ahmss.database.records import Affordance, Contained, ObjectKind, Quaternion, Site, State, Vector
+from ahmss.database.statefile import affording, read_appearances, read_condition, read_consequences, read_states
 from ahmss.database.workspace import Workspace
 from ahmss.errors import WorkspaceError
 
-__all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ObjectFile", "SiteEntry", "StateEntry", "read_object"]
+__all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ObjectFile", "SiteEntry", "read_object"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 Place = tuple[str | int, ...]
@@ -44,14 +44,6 @@ class ContainedEntry(_Turn):
     kind: str
     name: str = ""
     position: Vector = (0.0, 0.0, 0.0)
-
-
-class StateEntry(msgspec.Struct, forbid_unknown_fields=True):
-    """[states.NAME]."""
-
-    initial: str | float | None = None
-    values: list[str] = []
-    range: tuple[float, float] | None = None
 
 
 class AffordanceEntry(msgspec.Struct, forbid_unknown_fields=True):
@@ -87,6 +79,9 @@ class ObjectFile(msgspec.Struct, forbid_unknown_fields=True):
     sites: dict[str, dict[str, Any]] = {}
     affordances: dict[str, dict[str, Any]] = {}
     states: dict[str, dict[str, Any]] = {}
+    appearances: list[dict[str, Any]] = []
+    consequences: list[dict[str, Any]] = []
+    falls: bool = True
     contains: list[dict[str, Any]] = []
 
 
@@ -117,7 +112,9 @@ class _Reader:
             raise self.error(("texture_size",), "is negative; give metres a picture, or 0 to fit it once")
         if top.color and not all(0 <= c <= 255 for c in top.color):
             raise self.error(("color",), "is [red, green, blue], each 0 to 255")
-        states = self._states(top)
+        for state in top.states:
+            self._name(state, ("states", state))
+        states = read_states(self.document, top.states)
         sites = {n: self._site(v, ("sites", n)) for n, v in top.sites.items()}
         return ObjectKind(
             name=name,
@@ -134,6 +131,9 @@ class _Reader:
             properties=self._properties(top.properties, files),
             sites=sites,
             states=states,
+            appearances=read_appearances(self.document, top.appearances, states),
+            consequences=read_consequences(self.document, top.consequences, states),
+            falls=top.falls,
             affordances={n: self._affordance(n, v, sites, states) for n, v in top.affordances.items()},
             contains=self._contains(top),
         )
@@ -185,24 +185,6 @@ class _Reader:
         entry = self.document.convert(raw, SiteEntry, place)
         return Site(entry.position, self._rotation(entry, place), entry.free_axis)
 
-    def _states(self, top: ObjectFile) -> dict[str, State]:
-        out: dict[str, State] = {}
-        for name, raw in top.states.items():
-            place: Place = ("states", self._name(name, ("states", name)))
-            entry = self.document.convert(raw, StateEntry, place)
-            if bool(entry.values) == (entry.range is not None):
-                raise self.error(place, 'a state has either values = ["off", "on"] or range = [0.0, 1.0]')
-            low, high = entry.range or (0.0, 0.0)
-            if low > high:
-                raise self.error((*place, "range"), f"{low:g} is more than {high:g}; write the lower one first")
-            first = entry.values[0] if entry.values else low
-            state = State(first, tuple(entry.values), low, high)
-            initial = state.parse(first if entry.initial is None else entry.initial)
-            if initial is None:
-                raise self.error((*place, "initial"), f"{entry.initial!r} is not among: {state.allowed}")
-            out[name] = msgspec.structs.replace(state, initial=initial)
-        return out
-
     def _contains(self, top: ObjectFile) -> tuple[Contained, ...]:
         out: dict[str, Contained] = {}
         for i, raw in enumerate(top.contains):
@@ -243,25 +225,8 @@ class _Reader:
             site=entry.site,
             asks=tuple(entry.asks),
             parameters=entry.parameters,
-            when=self._when(entry.when, states, (*place, "when")),
+            when=read_condition(self.document, entry.when, affording(states), (*place, "when")),
             needs=entry.needs,
             frames=entry.frames,
             hold=entry.hold,
         )
-
-    def _when(self, text: str | None, states: dict[str, State], place: Place) -> Any:
-        if text is None:
-            return None
-        try:
-            condition = parse_condition(text)
-        except ValueError as error:
-            raise self.error(place, str(error)) from None
-        for clause in condition.clauses():
-            state = states.get(clause.state)
-            if state is None:
-                raise self.error(place, f'no state "{clause.state}"; this object has: {", ".join(states) or "none"}')
-            if not state.values and isinstance(clause.value, str):
-                raise self.error(place, f'"{clause.state}" is a number, never "{clause.value}"')
-            if state.values and clause.value not in state.values:
-                raise self.error(place, f'"{clause.state}" is never "{clause.value}"; allowed: {state.allowed}')
-        return condition

@@ -13,8 +13,10 @@ from typing import Any
 import msgspec
 
 from ahmss.body.skeleton import Skeleton
-from ahmss.database.condition import Condition
 from ahmss.database.parameter import Parameter
+from ahmss.states.behaviour import Appearance, Behaviour, Consequence
+from ahmss.states.condition import Condition
+from ahmss.states.state import State
 
 __all__ = [
     "Affordance",
@@ -42,30 +44,6 @@ class Site(msgspec.Struct, frozen=True):
     position: Vector = (0.0, 0.0, 0.0)
     rotation: Quaternion = (1.0, 0.0, 0.0, 0.0)
     free_axis: str = ""
-
-
-class State(msgspec.Struct, frozen=True):
-    """What may be true of an object: one of `values`, or a number from `low` to `high`."""
-
-    initial: str | float
-    values: tuple[str, ...] = ()
-    low: float = 0.0
-    high: float = 0.0
-
-    def parse(self, value: str | float) -> str | float | None:
-        """A value as this state takes it, or None where it can't be one."""
-        if self.values:
-            return str(value) if str(value) in self.values else None
-        try:
-            number = float(value)
-        except ValueError:
-            return None
-        return number if self.low <= number <= self.high else None
-
-    @property
-    def allowed(self) -> str:
-        """`off, on` or `0 to 1.57`, for a message."""
-        return ", ".join(self.values) if self.values else f"{self.low:g} to {self.high:g}"
 
 
 class Affordance(msgspec.Struct, frozen=True):
@@ -119,7 +97,15 @@ class ObjectKind(msgspec.Struct, frozen=True):
     sites: dict[str, Site] = {}
     affordances: dict[str, Affordance] = {}
     states: dict[str, State] = {}
+    appearances: tuple[Appearance, ...] = ()
+    consequences: tuple[Consequence, ...] = ()
+    falls: bool = True
     contains: tuple[Contained, ...] = ()
+
+    @property
+    def behaviour(self) -> Behaviour:
+        """What of it the world and the viewers must know."""
+        return Behaviour(self.states, self.appearances, self.consequences, self.falls)
 
     @property
     def initial_states(self) -> dict[str, str | float]:

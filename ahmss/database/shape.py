@@ -50,6 +50,7 @@ class ShapeLoader:
             kind.texture,
             kind.texture_layers,
             kind.texture_size,
+            kind.behaviour.parts,
         )
         return self._shapes.get(key, files, lambda _: self._load(kind, files))
 
@@ -81,6 +82,7 @@ def _kept_at(kind: ObjectKind, files: list[Path]) -> Path | None:
         kind.color,
         kind.texture_layers,
         kind.texture_size,
+        *kind.behaviour.parts,
     )
     digest = hashlib.sha256(_VERSION + repr(options).encode())
     for file in files:

@@ -9,7 +9,8 @@ import msgspec
 import pytest
 
 from ahmss.database import Workspace
-from ahmss.database.objectfile import AffordanceEntry, ContainedEntry, ObjectFile, SiteEntry, StateEntry
+from ahmss.database.objectfile import AffordanceEntry, ContainedEntry, ObjectFile, SiteEntry
+from ahmss.database.statefile import AppearanceEntry, ConsequenceEntry, StateEntry
 from ahmss.errors import DataError
 
 from .conftest import add_object
@@ -17,9 +18,12 @@ from .conftest import add_object
 PAGE = (Path(__file__).resolve().parents[2] / "docs/writing-an-object.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("struct", [ObjectFile, SiteEntry, StateEntry, AffordanceEntry, ContainedEntry])
+ENTRIES = [ObjectFile, SiteEntry, StateEntry, AppearanceEntry, ConsequenceEntry, AffordanceEntry, ContainedEntry]
+
+
+@pytest.mark.parametrize("struct", ENTRIES)
 def test_every_key_is_told(struct: type[msgspec.Struct]) -> None:
-    for field in struct.__struct_fields__:
+    for field in struct.__struct_encode_fields__:
         assert f"`{field}`" in PAGE or f"`[{field}." in PAGE or f"`[[{field}]]`" in PAGE, field
 
 
