@@ -43,11 +43,13 @@ def _described(client: WorldClient, placed: Sequence[Placed], workspace: Workspa
     put = cache(client.put_asset)
 
     @cache
-    def looks(kind: str) -> tuple[str, str, dict[str, StateValue]]:
+    def looks(kind: str) -> tuple[str, str, dict[str, StateValue], bool, str]:
         shape = workspace.objects.shape(kind)
         texture = shape.texture.data if shape is not None and shape.texture else b""
-        states: dict[str, StateValue] = dict(workspace.objects.get(kind).initial_states)
-        return put(shape.glb if shape is not None else b""), put(texture), states
+        record = workspace.objects.get(kind)
+        states: dict[str, StateValue] = dict(record.initial_states)
+        behaviour = put(record.behaviour.encode())
+        return put(shape.glb if shape is not None else b""), put(texture), states, True, behaviour
 
     return [
         NewObject(one.name, one.kind, one.local_position, one.local_rotation, one.parent, *looks(one.kind))

@@ -89,7 +89,7 @@ class Writer:
 
     def _write_scene(self, scene: Scene) -> None:
         for record in (*scene.humans, *scene.objects):
-            hashes = (record.shape, record.texture, getattr(record, "skeleton", ""))
+            hashes = (record.shape, record.texture, getattr(record, "skeleton", ""), getattr(record, "behaviour", ""))
             for name in hashes:
                 data = self._asset(name) if name and name not in self._written else None
                 if data is not None:

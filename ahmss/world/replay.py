@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from ahmss.states.behaviour import decode_behaviour
 from ahmss.world import schema
 from ahmss.world.client import WorldClient
 from ahmss.world.keys import ClientKeys
@@ -121,7 +122,7 @@ class _Player:
                 self._client.put_asset(self._asset(name))
             news.append(NewObject(
                 record.name, record.kind, parent=record.parent, shape=record.shape, texture=record.texture,
-                states=record.states, movable=record.movable,
+                states=record.states, movable=record.movable, behaviour=self._shown(record.behaviour),
             ))  # fmt: skip
             self._objects[record.name] = _free(record)
         if news:
@@ -142,6 +143,13 @@ class _Player:
             ]  # fmt: skip
             self._client.begin(schema.SetState(changed))
         self._objects[name] = record
+
+    def _shown(self, name: str) -> str:
+        """The behaviour of that hash without what it does: what followed and what fell is in the recording itself."""
+        if not name:
+            return ""
+        behaviour = decode_behaviour(self._reader.asset(name))
+        return self._client.put_asset(msgspec.structs.replace(behaviour, consequences=(), falls=False).encode())
 
     def _asset(self, name: str) -> bytes:
         return self._reader.asset(name) if name else b""

@@ -87,7 +87,8 @@ class ObjectRecord(msgspec.Struct, frozen=True, gc=False):
     """One object of the world, as it is at the revision of the scene that holds it.
 
     `parent` is the name of the object that contains it. An `attached` object is carried by its parent; one that was
-    taken in the hand is loose from then on. `moved`: somebody has moved it since it was added.
+    taken in the hand is loose from then on. `moved`: somebody has moved it since it was added. `behaviour`: the hash of
+    what its kind shows and sets by its states (`ahmss.states.behaviour`), JSON, kept like a shape.
     """
 
     id: int
@@ -104,6 +105,7 @@ class ObjectRecord(msgspec.Struct, frozen=True, gc=False):
     movable: bool = True
     attached: bool = True
     moved: bool = False
+    behaviour: str = ""
 
 
 class HumanRecord(msgspec.Struct, frozen=True):
@@ -223,6 +225,7 @@ class NewObject(msgspec.Struct, frozen=True, gc=False):
     texture: str = ""
     states: dict[str, StateValue] = {}
     movable: bool = True
+    behaviour: str = ""
 
 
 class Add(msgspec.Struct, frozen=True, tag="add"):
@@ -283,7 +286,7 @@ class StateChange(msgspec.Struct, frozen=True, array_like=True):
 
 
 class SetState(msgspec.Struct, frozen=True, tag="set"):
-    """Set states, all or none. Refused where another main's human holds the object."""
+    """Set states and what follows from them, all or none. Refused where another main's human holds the object."""
 
     changes: list[StateChange]
     request: int = 0

@@ -10,6 +10,7 @@ import numpy as np
 from ahmss.errors import WorldError
 from ahmss.world import schema
 from ahmss.world.assets import Assets
+from ahmss.world.behaviours import Behaviours
 from ahmss.world.changes import Changes
 from ahmss.world.people import People, Person
 from ahmss.world.schema import POSE_WIDTH, ObjectChange, Reply, Request, Scene, Snapshot, Ticked
@@ -31,7 +32,7 @@ class Space:
 
     def __init__(self, assets: Assets, rate: float) -> None:
         self.assets, self.rate = assets, rate
-        self.people, self.things = People(), Things()
+        self.people, self.things = People(), Things(Behaviours(assets))
         self.changes = Changes()
         self.people.changes = self.things.changes = self.changes
         self.revision = 0
@@ -49,7 +50,9 @@ class Space:
             case schema.Join():
                 return self._join(owner, request)
             case schema.Add():
-                self._check_assets(*(name for new in request.objects for name in (new.shape, new.texture)))
+                names = {name for new in request.objects for name in (new.shape, new.texture, new.behaviour)}
+                self._check_assets(*sorted(names))
+                self.things.behaviours.check({new.behaviour for new in request.objects})
                 added = self.things.add(request.objects)
                 return schema.Added(number, [self.things.record(thing) for thing in added])
             case schema.Leave(human=name):

@@ -11,6 +11,9 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, normalize, rotate
 from ahmss.errors import WorldError
+from ahmss.states.behaviour import Behaviour
+from ahmss.states.following import follow
+from ahmss.world.behaviours import Behaviours
 from ahmss.world.changes import Changes
 from ahmss.world.frame import faulty, is_faulty_row
 from ahmss.world.nesting import in_world
@@ -37,6 +40,7 @@ class Thing:
     shape: str
     texture: str
     movable: bool
+    behaviour: str
     states: dict[str, StateValue]
     holder: str = ""
     hand: str = ""
@@ -56,11 +60,15 @@ class Things:
 
     What each method does is noted in `changes`, which the space replaces at each tick.
 
+    Args:
+        behaviours: how the kinds behave, by the hash that their objects name.
+
     Every method does all that it is asked or raises WorldError with the reason, having changed nothing.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, behaviours: Behaviours) -> None:
         self.changes = Changes()
+        self.behaviours = behaviours
         self.by_name: dict[str, Thing] = {}
         self.by_id: dict[int, Thing] = {}
         self.poses = Table(7)
@@ -78,7 +86,7 @@ class Things:
         x, y, z, *rotation = (self.poses[thing.id] if pose is None else pose).tolist()
         return ObjectRecord(
             thing.id, thing.name, thing.kind, (x, y, z), tuple(rotation), thing.parent, thing.shape, thing.texture,
-            dict(thing.states), thing.holder, thing.hand, thing.movable, thing.attached, thing.moved,
+            dict(thing.states), thing.holder, thing.hand, thing.movable, thing.attached, thing.moved, thing.behaviour,
         )  # fmt: skip
 
     def add(self, objects: Sequence[NewObject]) -> list[Thing]:
@@ -100,7 +108,7 @@ class Things:
             self.next_id = record.id
             known = self._insert(
                 NewObject(record.name, record.kind, parent=record.parent, shape=record.shape, texture=record.texture,
-                          movable=record.movable), pose,
+                          movable=record.movable, behaviour=record.behaviour), pose,
             )  # fmt: skip
             self.next_id = max(self.by_id) + 1
         known.states, known.attached, known.moved = dict(record.states), record.attached, record.moved
@@ -206,7 +214,7 @@ class Things:
         self._hold(thing, taker, hand)
 
     def set_states(self, owned: set[str], changes: Sequence[StateChange]) -> None:
-        """Set states of objects that nobody else holds."""
+        """Set states of objects that nobody else holds, and what follows from that, whoever holds what it is about."""
         for change in changes:
             thing = self.get(change.object)
             if thing.holder and thing.holder not in owned:
@@ -216,11 +224,19 @@ class Things:
                 raise WorldError(f'{thing.name} has no state "{change.state}"; its states: {known}')
             if isinstance(change.value, str) and len(change.value) > _LONGEST_VALUE:
                 raise WorldError(f"{thing.name}: {change.state} takes at most {_LONGEST_VALUE} characters")
-        for change in changes:
-            self.by_name[change.object].states[change.state] = change.value
-            self.changes.put[change.object] = None
+        asked = [(change.object, change.state, change.value) for change in changes]
+        for name, state, value in follow(asked, self._states_of, self._behaviour_of):
+            self.by_name[name].states[state] = value
+            self.changes.put[name] = None
 
     # How
+
+    def _states_of(self, name: str) -> dict[str, StateValue] | None:
+        thing = self.by_name.get(name)
+        return None if thing is None else thing.states
+
+    def _behaviour_of(self, name: str) -> Behaviour:
+        return self.behaviours.get(self.by_name[name].behaviour)
 
     def _check(self, new: NewObject, earlier: set[str]) -> None:
         """Refuse a new object that can't be."""
@@ -239,7 +255,8 @@ class Things:
 
     def _insert(self, new: NewObject, pose: Array) -> Thing:
         thing = Thing(
-            self.next_id, new.name, new.kind, new.parent, new.shape, new.texture, new.movable, dict(new.states),
+            self.next_id, new.name, new.kind, new.parent, new.shape, new.texture, new.movable, new.behaviour,
+            dict(new.states),
         )  # fmt: skip
         self.next_id += 1
         self.by_name[thing.name] = self.by_id[thing.id] = thing
