@@ -13,7 +13,16 @@ from ahmss.algorithm.child import Request
 __all__ = ["learn"]
 
 # Imported ahead; an author's own modules are read anew at each start.
-_INSTALLED = ("ahmss.algorithm", "ahmss.body", "ahmss.motion", "ahmss.walking", "numpy", "scipy", "shapely")
+_INSTALLED = (
+    "ahmss.algorithm",
+    "ahmss.body",
+    "ahmss.motion",
+    "ahmss.walking",
+    "ahmss.grasping",
+    "numpy",
+    "scipy",
+    "shapely",
+)
 _LARGEST = 2000  # frames of a clip that is resampled ahead
 _learned: set[tuple[str, int, int]] = set()
 

@@ -37,6 +37,7 @@ __all__ = [
     "ObjectRecord",
     "PoseRecord",
     "Ready",
+    "ShapeRecord",
     "SiteRecord",
     "Start",
     "State",
@@ -136,6 +137,17 @@ class SiteRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     free_axis: Annotated[
         Literal["", "z"], Meta(description='"z": the yaw is free; turn the site\'s x away from the human')
     ] = ""
+    grip: Annotated[
+        Literal["", "power", "precision"],
+        Meta(description='how a hand takes it: "power", wrapped about its z; "precision", thumb and tips along its z'),
+    ] = ""
+
+
+class ShapeRecord(msgspec.Struct, frozen=True):
+    """Where the shape of an object is kept."""
+
+    path: Annotated[str, Meta(description="path of its GLB: metres, z up, in the object's frame")]
+    hash: Annotated[str, Meta(description="SHA-256 of that file, hexadecimal")]
 
 
 class ObjectRecord(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -153,6 +165,7 @@ class ObjectRecord(msgspec.Struct, frozen=True, omit_defaults=True):
         list[list[Point]],
         Meta(description="outlines of what it occupies for a walker, in its frame turned about z only, metres"),
     ] = []
+    shape: Annotated[ShapeRecord | None, Meta(description="of the target, as algorithm.toml's `shape` asks")] = None
 
 
 class PoseRecord(msgspec.Struct, frozen=True):

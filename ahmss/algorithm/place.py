@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm.messages import ObjectRecord, SiteRecord
+from ahmss.algorithm.shape import TargetShape
 from ahmss.body.array import Array
 from ahmss.body.quaternion import about_z, conjugate, from_axis_angle, multiply, rotate
 
@@ -60,6 +61,7 @@ class WorldObject:
     only, counter-clockwise, without holes; empty where algorithm.toml does not ask for `footprints`, and for what is
     under 5 cm, over 1.9 m, or in the hands of the acting human. seen: of a human, the last frames in which it moved:
     the frame, x and y.
+    shape: of the target, where algorithm.toml asks for `shape` and it has one; read when first looked at.
     """
 
     id: int
@@ -71,6 +73,7 @@ class WorldObject:
     properties: dict[str, Any] = field(default_factory=dict[str, Any])
     states: dict[str, Any] = field(default_factory=dict[str, Any])
     footprint: tuple[Array, ...] = ()
+    shape: TargetShape | None = field(default=None, compare=False)
     seen: deque[tuple[float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
 
     @classmethod
@@ -79,6 +82,7 @@ class WorldObject:
         return cls(
             record.id, record.name, record.kind, np.array(record.place), np.array(record.rotation),
             record.sites, record.properties, dict(record.states), tuple(np.array(ring) for ring in record.footprint),
+            TargetShape(record.shape.path, record.shape.hash) if record.shape is not None else None,
         )  # fmt: skip
 
     @property

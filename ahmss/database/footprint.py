@@ -19,7 +19,7 @@ from ahmss.database import store
 from ahmss.database.shape import Shape
 from ahmss.motion.glbfile import GlbReader
 
-__all__ = ["HIGH", "LOW", "Footprints", "Rings"]
+__all__ = ["HIGH", "LOW", "Footprints", "Rings", "triangles_of"]
 
 LOW, HIGH = 0.05, 1.9  # metres over the floor between which a walker meets things
 _LIMIT = 4096  # footprints that are remembered
@@ -72,14 +72,14 @@ def _level(shape: Shape, raised: int, part: str) -> Rings:
     if data is not None:
         with contextlib.suppress(msgspec.DecodeError):
             return msgspec.msgpack.decode(data, type=Rings)
-    made = _footprint(_triangles(shape.glb), raised)
+    made = _footprint(triangles_of(shape.glb), raised)
     store.keep(kept, msgspec.msgpack.encode(made))
     return made
 
 
 def _tilted(shape: Shape, raised: int, tilt: Array) -> Rings:
     """The footprint of a shape that leans or lies."""
-    return _footprint(rotate(tilt, _triangles(shape.glb)), raised)
+    return _footprint(rotate(tilt, triangles_of(shape.glb)), raised)
 
 
 def _footprint(triangles: Array, raised: int) -> Rings:
@@ -89,7 +89,7 @@ def _footprint(triangles: Array, raised: int) -> Rings:
     return outlines(triangles, LOW - 0.01 * raised, HIGH - 0.01 * raised)
 
 
-def _triangles(glb: bytes) -> Array:
+def triangles_of(glb: bytes) -> Array:
     """The triangles (n, 3, 3) of a shape as it travels."""
     reader = GlbReader(glb)
     primitives = [primitive for mesh in reader.tree["meshes"] for primitive in mesh["primitives"]]

@@ -36,6 +36,7 @@ class SiteEntry(_Turn):
 
     position: Vector = (0.0, 0.0, 0.0)
     free_axis: Literal["", "z"] = ""
+    grip: Literal["", "power", "precision"] = ""
 
 
 class ContainedEntry(_Turn):
@@ -183,7 +184,7 @@ class _Reader:
     def _site(self, raw: dict[str, Any], place: Place) -> Site:
         self._name(str(place[-1]), place)
         entry = self.document.convert(raw, SiteEntry, place)
-        return Site(entry.position, self._rotation(entry, place), entry.free_axis)
+        return Site(entry.position, self._rotation(entry, place), entry.free_axis, entry.grip)
 
     def _contains(self, top: ObjectFile) -> tuple[Contained, ...]:
         out: dict[str, Contained] = {}

@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 
 from ahmss.body.array import Array
+from ahmss.database import store
 from ahmss.database.document import one_of
 from ahmss.database.footprint import Footprints, Rings
 from ahmss.database.freshness import Fresh, Watched
@@ -106,6 +107,20 @@ class ObjectDatabase:
             DataError: the shape or texture file is missing or not fit to be shown; says why.
         """
         return self._shapes.get(self.get(kind))
+
+    def kept_shape(self, kind: str) -> tuple[Path, str] | None:
+        """Where the shape of a kind is kept as a GLB, and its SHA-256; None without a shape, or where the disk is full.
+
+        Raises:
+            CommandError, DataError: as `shape`.
+        """
+        shape = self.shape(kind)
+        if shape is None:
+            return None
+        path = store.place("meshes", f"{shape.hash}.glb")
+        if not path.is_file():
+            store.keep(path, shape.glb)
+        return (path, shape.hash) if path.is_file() else None
 
     def footprint(self, kind: str, height: float, rotation: Array) -> Rings:
         """The area on the floor that an object of a kind occupies for one who walks; none for a kind without a shape.

@@ -38,12 +38,13 @@ class Site(msgspec.Struct, frozen=True):
     """A named frame on an object, in the object's frame.
 
     With `free_axis = "z"` the site's turn about its z axis is free: an algorithm turns it so that its x points away
-    from the acting human.
+    from the acting human. grip: how a hand takes it, "power" or "precision"; "" where nothing is said.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
     rotation: Quaternion = (1.0, 0.0, 0.0, 0.0)
     free_axis: str = ""
+    grip: str = ""
 
 
 class Affordance(msgspec.Struct, frozen=True):
@@ -123,6 +124,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     kind: "human", "object", or "" where nothing says (a bare executable). argv: the first is "python" for the pool,
     else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
     footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others.
+    shape: whether START says where the target's shape is kept.
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     parameters: None where nothing declares them: then any will do.
     """
@@ -136,6 +138,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     world: str = "near"
     footprints: bool = False
     humans: bool = False
+    shape: bool = False
     carries: bool = False
 
 

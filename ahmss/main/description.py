@@ -46,7 +46,9 @@ def describe(
         AhmssError: its kind is broken.
     """
     kind = workspace.objects.get(record.kind)
-    sites = {n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis)) for n, s in kind.sites.items()}
+    sites = {
+        n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis), _grip(s.grip)) for n, s in kind.sites.items()
+    }
     return messages.ObjectRecord(
         record.id, record.name, record.kind, triple(pose[:3]), four(pose[3:]), sites, kind.properties,
         dict(record.states), footprint or [],
@@ -72,8 +74,21 @@ class Description:
         Raises:
             AhmssError: its kind is broken.
         """
+        told = self._object(name)
+        return msgspec.structs.replace(told, shape=self._shape(told.kind)) if self._entry.shape else told
+
+    def _object(self, name: str) -> messages.ObjectRecord:
+        """An object without its shape."""
         record, pose = self._scene.objects[name], self._scene.pose(name)
         return describe(self._workspace, record, pose, self._footprint(name, record.kind, pose))
+
+    def _shape(self, kind: str) -> messages.ShapeRecord | None:
+        """Where the shape of a kind is kept; None where it has none, or one that is broken or can't be kept."""
+        try:
+            kept = self._workspace.objects.kept_shape(kind)
+        except AhmssError:
+            return None
+        return messages.ShapeRecord(str(kept[0]), kept[1]) if kept is not None else None
 
     def goal(self, goal: messages.Goal) -> messages.Goal:
         """The goal, with its object's footprint."""
@@ -92,7 +107,7 @@ class Description:
                 continue
             if asked == "all" or float(np.linalg.norm(self._scene.pose(name)[:3] - root)) <= _NEAR:
                 try:
-                    found.append(self.object(name))
+                    found.append(self._object(name))
                 except AhmssError:  # another object's broken file does not concern this motion
                     continue
         return found + (self._scene.others() if self._entry.humans else [])
@@ -121,3 +136,7 @@ def four(q: Array) -> tuple[float, float, float, float]:
 
 def _free(axis: str) -> Any:
     return "z" if axis == "z" else ""
+
+
+def _grip(grip: str) -> Any:
+    return grip

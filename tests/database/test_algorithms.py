@@ -34,6 +34,16 @@ def test_footprints_are_told_to_who_asks(workspace: Workspace) -> None:
     assert [workspace.algorithms.find(name).footprints for name in ("nod", "walk")] == [False, True]
 
 
+def test_the_shape_is_told_to_who_asks(workspace: Workspace) -> None:
+    add_algorithm(workspace, "nod", NOD)
+    add_algorithm(workspace, "grasp", f"{NOD}shape = true\n".replace("nod", "grasp"))
+    found = [workspace.algorithms.find(name) for name in ("nod", "grasp")]
+    assert [(entry.shape, entry.carries, entry.humans) for entry in found] == [
+        (False, False, False),
+        (True, False, False),
+    ]
+
+
 def executable(path: Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("#!/bin/sh\n")

@@ -98,6 +98,7 @@ def test_an_action_is_afforded_while_its_condition_holds(
         ('name = "cup"', 'name = "mug"', 'is not the name of its folder, "cup"'),
         ("[sites.rim]", "[sites.rim", "objectdb/cup/object.toml: not TOML:"),
         ('free_axis = "z"', 'free_axis = "y"', "sites.rim.free_axis (line 11): 'y' is not possible"),
+        ('free_axis = "z"', 'grip = "firm"', "sites.rim.grip (line 11): 'firm' is not possible"),
         ('free_axis = "z"', "orientation = [1, 1, 0, 0]", "has length 1.414; a rotation is [w, x, y, z] of length 1"),
         ('values = ["off", "on"]', "", "states.lamp (line 13): a state has either values"),
         ("initial = 0.25", "initial = 2", "states.level.initial (line 18): 2.0 is not among: 0 to 1"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -57,6 +58,21 @@ def test_footprints_are_told_where_they_are_asked_for(ken: MainProcess, workspac
     for record in (start.object, start.goal.object, *start.world):
         (ring,) = record.footprint
         np.testing.assert_allclose(np.abs(ring), 0.055, atol=1e-9)  # in its own frame
+    assert messages.decode_start(messages.encode_start(start)[5:]) == start
+
+
+def test_the_shape_is_told_of_the_target_where_it_is_asked_for(ken: MainProcess, workspace: Path) -> None:
+    start = told(ken, "do a step to b")
+    assert start.object is not None
+    assert start.object.shape is None
+    assert b'"shape"' not in messages.encode_start(start)
+    ask(workspace, "shape = true")
+    start = told(ken, "do a step to b")
+    assert start.object is not None
+    assert start.object.shape is not None
+    data = Path(start.object.shape.path).read_bytes()
+    assert start.object.shape.hash == hashlib.sha256(data).hexdigest()
+    assert [record.shape for record in start.world] == [None]
     assert messages.decode_start(messages.encode_start(start)[5:]) == start
 
 

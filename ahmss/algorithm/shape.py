@@ -1,0 +1,94 @@
+"""The shape of the target as an algorithm sees it: read when it is looked at, its distances kept on disk."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ahmss.body.array import Array
+from ahmss.database import store
+from ahmss.database.footprint import triangles_of
+from ahmss.errors import DataError, ProtocolError
+from ahmss.grasping.field import Field
+
+__all__ = ["REACH", "TargetShape"]
+
+REACH = 0.14  # metres around a place that the hand which is there can meet
+_GRAIN = 0.01  # metres: places this near to each other share a field
+_VERSION = 1  # of what is made: a new one leaves what was kept aside
+
+
+class TargetShape:
+    """A shape in the object's frame, metres.
+
+    Args:
+        path: of its GLB, as START names it.
+        digest: SHA-256 of that file.
+    """
+
+    def __init__(self, path: str, digest: str) -> None:
+        self.path, self.digest = path, digest
+        self._fields: dict[tuple[int, int, int], Field] = {}
+
+    @cached_property
+    def _triangles(self) -> Array:
+        """(T, 3, 3) of the file.
+
+        Raises:
+            DataError: it is not in the folder where shapes are kept, is gone, or has other bytes than START says.
+        """
+        path, home = Path(self.path), store.place("meshes", "x").parent
+        if not path.resolve().is_relative_to(home.resolve()):
+            raise DataError(self.path, "", f"is no shape that is kept; those are in {home}")
+        data = store.take(path)
+        if data is None:
+            raise DataError(self.path, "", "is gone; begin the action again, and it is made anew")
+        if hashlib.sha256(data).hexdigest() != self.digest:
+            raise DataError(self.path, "", "is not the shape that was named; delete it and begin the action again")
+        try:
+            return triangles_of(data)
+        except (ProtocolError, LookupError, ValueError) as error:
+            raise DataError(self.path, "", f"has no triangles that can be read ({error})") from None
+
+    @property
+    def vertices(self) -> Array:
+        """(V, 3) corners of the faces, metres; a corner of several faces is there several times."""
+        return self._triangles.reshape(-1, 3)
+
+    @property
+    def faces(self) -> NDArray[np.intp]:
+        """(T, 3) numbers of vertices, counter-clockwise from outside."""
+        return np.arange(3 * len(self._triangles)).reshape(-1, 3)
+
+    def field(self, place: Array) -> Field:
+        """How far points are from what of the shape is within a hand's reach of a place (3,) in the object's frame.
+
+        It takes a second or two where it was never asked for, then a millisecond.
+
+        Raises:
+            DataError: the shape can't be read.
+            ValueError: nothing of the shape is there.
+        """
+        x, y, z = np.round(place / _GRAIN).astype(int).tolist()
+        found = self._fields.get((x, y, z))
+        if found is None:
+            found = self._fields[x, y, z] = self._field((x, y, z))
+        return found
+
+    def _field(self, cell: tuple[int, int, int]) -> Field:
+        kept = store.place("fields", f"{self.digest}_{'_'.join(map(str, cell))}_{_VERSION}")
+        data = store.take(kept)
+        if data is not None:
+            with contextlib.suppress(DataError):  # what was kept is broken: it is made anew
+                return Field.from_bytes(data)
+        from ahmss.grasping.distance import build  # it brings scipy, which a field that is kept does without
+
+        middle = _GRAIN * np.array(cell)
+        made = build(self.vertices, self.faces, middle - REACH, middle + REACH)
+        store.keep(kept, made.to_bytes())
+        return made
