@@ -1,0 +1,77 @@
+"""Which of several palms an arm takes most easily: what its joints allow, near the middle of their ranges.
+
+Where the wrist is free to turn, a person takes the turn that ends comfortably (Rosenbaum's end-state comfort).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ahmss.body.arm import hand_angles
+from ahmss.body.arm_choice import present_side
+from ahmss.body.arm_swing import allowed, limits_of, nearest_swing, swing_of
+from ahmss.body.array import Array
+from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
+from ahmss.reaching.reacher import Reacher
+
+__all__ = ["around_axis", "discomfort", "palms_at"]
+
+_OVER, _MISSING = 8.0, 60.0  # what an arm costs that no swing of the elbow serves, and a metre too far
+_RAISED, _CHANGE = 0.25, 0.3  # what an upper arm at shoulder height costs, and an elbow swung by a radian
+_WEIGHTS = np.array([1.0, 2.0, 1.0])  # forearm's turn, hand's bend to the sides, to palm and back
+_YAWS = np.radians(np.arange(-15.0, 106.0, 10.0))
+_ROLLS = np.radians(np.arange(-45.0, 136.0, 15.0))
+_PITCHES = np.radians([-35.0, -10.0, 15.0])
+_ASIDE = np.radians([-25.0, 0.0, 25.0, 50.0])
+
+
+def discomfort(reacher: Reacher, grip: Array, spine: tuple[Array, Array], present: Array) -> tuple[Array, Any, Array]:
+    """What palms (..., 7) cost an arm, whether its joints can take them, and the metres by which it is too short.
+
+    Args:
+        reacher: the arm.
+        grip: palms in the world.
+        spine: place (..., 3) and rotation (..., 4) of the spine link.
+        present: (3, 4) the arm's present links, whose elbow goes along.
+    """
+    arm, wrist = reacher.arm, reacher.wrist(grip, spine)
+    links = np.broadcast_to(present, (*wrist.place.shape[:-1], 3, 4))
+    swing = swing_of(arm, wrist, present_side(arm, links, wrist.place))
+    limits = limits_of(arm)
+    phi, found = nearest_swing(allowed(swing.measures(), limits), np.zeros(swing.bend.shape))
+    solved = swing.links(phi)
+    half = 0.5 * (limits[3:, 1] - limits[3:, 0])
+    bent = (hand_angles(solved) - 0.5 * limits[3:].sum(axis=-1)) / half
+    cost = (_WEIGHTS * bent**2).sum(axis=-1) + _CHANGE * phi**2
+    down = rotate(spine[1], rotate(multiply(arm.rotation, solved[..., 0, :]), np.array([1.0, 0.0, 0.0])))[..., 2]
+    cost = cost + _RAISED * (1.0 + down) ** 2 + np.where(found, 0.0, _OVER)
+    missing = np.maximum(swing.missing, 0.0)
+    return cost + _MISSING * missing, found, missing
+
+
+def around_axis(site: Array, sign: float) -> Array:
+    """Palms' rotations (n, 4) around the z axis of a site (7) whose x points away from the human.
+
+    Turned to the hand's own side: a right hand looks ahead and to the left.
+    """
+    return multiply(site[3:7], from_axis_angle(np.array([0.0, 0.0, 1.0]), -sign * _YAWS))
+
+
+def palms_at(shoulder: Array, place: Array, sign: float) -> Array:
+    """Natural rotations (n, 4) of a palm that comes to a place (3,) from a shoulder (3,), no orientation being given.
+
+    The fingers point on from the shoulder, a little aside and up or down; the palm looks inward (0) to down (90).
+    """
+    ahead = float(np.arctan2(place[1] - shoulder[1], place[0] - shoulder[0]))
+    rise = float(np.clip(np.arctan2(place[2] - shoulder[2], np.hypot(*(place - shoulder)[:2])), -1.2, 1.0))
+    aside, pitch, roll = (a.ravel() for a in np.meshgrid(_ASIDE, _PITCHES, _ROLLS, indexing="ij"))
+    # Grip axes of a hand that points along +x, thumb up: fingers are -y of the right grip's frame, +y of the left's.
+    inward = np.array([0.0, -sign, 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    pointing = from_matrix(np.stack([inward, np.cross(up, inward), up], axis=-1))
+    heading = from_axis_angle(up, ahead - sign * aside)
+    turn = multiply(heading, from_axis_angle(np.array([0.0, 1.0, 0.0]), pitch - 0.6 * rise))
+    turn = multiply(turn, from_axis_angle(np.array([1.0, 0.0, 0.0]), sign * roll))
+    return multiply(turn, pointing)

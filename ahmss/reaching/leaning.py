@@ -1,0 +1,156 @@
+"""The posture from which an arm that is too short alone reaches a palm: turned, leant, lowered, as little as will do.
+
+A search over three numbers (turn, lean, drop of the hips), coarse and then finer: nothing is followed downhill, so a
+posture that serves is not missed. What it weighs is effort against how far the arm is stretched, which trunks begin to
+spare from 85 to 90 % of its length (Kaminski 1995), against joints beyond their limits, and against being
+inside things.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.inverse import GAZE, solve
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
+from ahmss.body.skeleton import Skeleton
+from ahmss.reaching.comfort import discomfort
+from ahmss.reaching.prism import Prism, clearance
+from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.skin import MARGIN, gaps
+from ahmss.reaching.standing import Posture, Standing
+
+__all__ = ["Stretch", "looking", "posture_for", "stretch_of"]
+
+EASY, STRETCHED = 0.86, 0.955
+"""Shares of the arm's length up to which the trunk stays, and from which it gives all that is missing."""
+
+_TURNS, _LEANS, _DROPS = (0.0, 0.5, 1.0), np.radians([0.0, 14.0, 32.0, 55.0, 80.0, 105.0]), (0.0, 0.12, 0.3, 0.5)
+_STEP = np.array([0.25, np.radians(9.0), 0.09])
+_MOST_TURN, _ADVANCE, _ASIDE = np.radians(60.0), np.radians(15.0), np.radians(80.0)
+_EFFORT = np.array([0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2])
+_KNEES, _LOW = 4.0, (0.25, 0.4)  # a metre of bent knees for what is not low; low ends so high, metres, and over so many
+_EASY, _TOO_FAR, _ARM, _INSIDE, _LIMIT = 4.0, 600.0, 0.15, 400.0, 40.0
+_TRUNK = ("hips", "spine", "head", "right_lower_leg", "left_lower_leg")
+_THICK = (0.10, 0.10, 0.09, 0.05, 0.05)  # metres
+_LEGS = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_leg", "lower_leg", "foot")]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """How an arm is in a posture: what it costs, whether its joints allow it, metres that it is too short, stretch."""
+
+    cost: float
+    found: bool
+    missing: float
+    stretched: float
+
+
+def posture_for(
+    standing: Standing, reacher: Reacher, palms: Array, present: Array, prisms: Sequence[Prism]
+) -> Iterator[tuple[Posture, int, Stretch]]:
+    """The posture, which of the palms (n, 7) it is for, and how the arm then is: found in steps, the last is the best.
+
+    Args:
+        standing: whose feet stay.
+        reacher: the arm.
+        palms: the same place, turned in different ways; one of them is chosen.
+        present: (3, 4) the arm's links now.
+        prisms: what trunk and knees are to keep out of.
+    """
+    posture = standing.base
+    best, arm = _easiest(reacher, palms, posture, present, prisms)
+    if arm.found and arm.stretched <= EASY:
+        yield posture, best, arm
+        return
+    grid = np.stack([a.ravel() for a in np.meshgrid(_TURNS, _LEANS, _DROPS, indexing="ij")], axis=-1)
+    chosen = grid[0]
+    for step in (None, _STEP, 0.4 * _STEP):
+        if step is not None:
+            around = np.stack([a.ravel() for a in np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3, indexing="ij")], axis=-1)
+            grid = np.clip(chosen + around * step, (0.0, 0.0, 0.0), (1.0, np.radians(115.0), 0.6))
+        chosen, posture = _least(standing, reacher, palms[best], grid, present, prisms)
+        best, arm = _easiest(reacher, palms, posture, present, prisms)
+        yield posture, best, arm
+
+
+def stretch_of(
+    reacher: Reacher, palms: Array, posture: Posture, present: Array, prisms: Sequence[Prism]
+) -> tuple[int, Stretch]:
+    """The palm of several (n, 7) that the arm takes most easily in a posture (43, 4), and how it then is."""
+    return _easiest(reacher, palms, posture, present, prisms)
+
+
+def looking(skeleton: Skeleton, rotations: Array, root: Array, place: Array, weight: Array | float = 1.0) -> Array:
+    """Poses (..., 43, 4) with head and spine turned to look at a place (..., 3), as they will be shown."""
+    targets = np.zeros((*root.shape[:-1], 5, 8))
+    targets[..., GAZE, :3] = place
+    targets[..., GAZE, 7] = weight
+    return solve(skeleton, rotations, root, targets)
+
+
+def _easiest(
+    reacher: Reacher, palms: Array, posture: Posture, present: Array, prisms: Sequence[Prism]
+) -> tuple[int, Stretch]:
+    seen = looking(reacher.skeleton, posture.rotations, posture.root, palms[0, :3])
+    spine = seat(reacher.skeleton, seen, posture.root)
+    cost, found, missing = discomfort(reacher, palms, spine, present)
+    if prisms and len(palms) > 1:
+        short = np.maximum(MARGIN - gaps(reacher, palms, spine, present, prisms), 0.0)
+        cost = cost + _INSIDE * (short**2).sum(axis=-1)
+    i = int(np.argmin(cost))
+    stretched = np.linalg.norm(reacher.hand(palms[i])[0] - reacher.shoulder(spine)) / reacher.length
+    return i, Stretch(float(cost[i]), bool(found[i]), float(missing[i]), float(stretched))
+
+
+def _least(
+    standing: Standing, reacher: Reacher, palm: Array, grid: Array, present: Array, prisms: Sequence[Prism]
+) -> tuple[Array, Posture]:
+    """Of the numbers (n, 3) those that cost least, and the posture that they make."""
+    skeleton, n = standing.skeleton, len(grid)
+    wrist = reacher.hand(palm)[0]
+    off = palm[:2] - standing.base.root[:2]
+    aside = (np.arctan2(off[1], off[0]) - standing.heading + np.pi) % (2.0 * np.pi) - np.pi
+    turn = grid[:, 0] * np.clip(aside - reacher.sign * _ADVANCE, -_MOST_TURN, _MOST_TURN)
+    toward = np.full(n, standing.heading + np.clip(aside, -_ASIDE, _ASIDE))
+    made = standing.postures(turn, grid[:, 1], toward, grid[:, 2], _load(standing, reacher, wrist))
+    seen = looking(skeleton, made.rotations, made.root, palm[:3])
+    spine = seat(skeleton, seen, made.root)
+    cost = (_EFFORT * np.stack([turn, grid[:, 1], grid[:, 2]], axis=-1) ** 2).sum(axis=-1)
+    cost += _KNEES * np.clip((wrist[2] - _LOW[0]) / _LOW[1], 0.0, 1.0) * grid[:, 2]
+    stretched = np.linalg.norm(wrist - reacher.shoulder(spine), axis=-1) / reacher.length
+    cost += _EASY * np.maximum(stretched - EASY, 0.0) ** 2 + _TOO_FAR * np.maximum(stretched - STRETCHED, 0.0) ** 2
+    cost += _ARM * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
+    cost += _LIMIT * _beyond(skeleton, seen) ** 2
+    if prisms:
+        places, _ = forward(made.rotations, made.root, skeleton.offsets)
+        before, _ = forward(standing.base.rotations, standing.base.root, skeleton.offsets)
+        for name, thick in zip(_TRUNK, _THICK, strict=True):
+            least = min(0.0, float(clearance(prisms, before[INDEX[name]]) - thick))
+            gap = clearance(prisms, places[:, INDEX[name]]) - thick
+            cost += _INSIDE * np.maximum(least - gap, 0.0) ** 2
+    i = int(np.argmin(cost))
+    return grid[i], Posture(made.rotations[i], made.root[i])
+
+
+def _load(standing: Standing, reacher: Reacher, wrist: Array) -> Array:
+    """Kilograms times metres (3,) by which a reaching arm's weight is elsewhere than the base posture's."""
+    skeleton, first = standing.skeleton, reacher.links.start
+    mass = float(skeleton.mass[first : first + 3].sum())
+    places, _ = forward(standing.base.rotations, standing.base.root, skeleton.offsets)
+    return mass * 0.5 * (wrist - places[first + 2])
+
+
+def _beyond(skeleton: Skeleton, rotations: Array) -> Array:
+    """Radians (n) by which spine and legs are turned beyond their limits at the most."""
+    links = [INDEX["spine"], *_LEGS]
+    upright = skeleton.upright()[0][links]
+    turned = to_rotation_vector(multiply(conjugate(upright), rotations[:, links]))
+    limits = skeleton.limits[links]
+    over = np.maximum(np.maximum(limits[..., 0] - turned, turned - limits[..., 1]), 0.0)
+    return over.max(axis=(-1, -2))

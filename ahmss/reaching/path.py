@@ -1,0 +1,118 @@
+"""The palm's way: a smooth curve, raised as far as what is in the way of a straight line asks.
+
+Of a family of curves, each lifted differently at either end, the shortest is taken on which hand and forearm stay
+clear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import rotate, slerp
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.prism import Prism
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import MARGIN, gaps
+
+__all__ = ["Curve", "clear_curve", "curves"]
+
+TURNED_BY = 0.62
+"""The share of the time by which the hand has its orientation: by then three quarters of the way are done."""
+
+# Metres by which the curve is lifted after the start and before the end.
+_FIRST, _LAST = (0.03, 0.12, 0.25, 0.42, 0.6), (0.02, 0.1, 0.22)
+_BACK = (0.0, 0.18)  # metres by which it goes back first
+_SAMPLES = 20
+_EVENLY = np.linspace(0.0, 1.0, 48)
+_SHORTEST, _TINY = 1e-4, 1e-9  # metres
+_LEAVING, _ARRIVING = 0.25, 0.7  # shares of the time
+_CLOSE = 900.0  # what a square metre of being too near costs, in metres of way
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A cubic Bezier curve (4, 3), metres, and the rotations (4,) at its ends."""
+
+    points: Array
+    start: Array
+    end: Array
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return float(self._passed()[-1])
+
+    def at(self, time: Array) -> Array:
+        """Palms (n, 7) at shares of the time (n), from rest to rest; the rotation is there before the place."""
+        passed, done = self._passed(), minimum_jerk(time)
+        if passed[-1] > _SHORTEST:  # evenly along the curve, whose parameter is not its length
+            done = np.clip(CubicSpline(passed / passed[-1], _EVENLY)(done), 0.0, 1.0)
+        turned = slerp(self.start, self.end, minimum_jerk(time / TURNED_BY))
+        return np.concatenate([_bezier(self.points, done), turned], axis=-1)
+
+    def _passed(self) -> Array:
+        """The length up to even steps of the parameter, metres; it always grows."""
+        steps = np.linalg.norm(np.diff(_bezier(self.points, _EVENLY), axis=0), axis=-1)
+        return np.concatenate([[0.0], np.cumsum(np.maximum(steps, _TINY))])
+
+
+def curves(start: Array, end: Array, ahead: float) -> list[Curve]:
+    """The family of curves between two palms (7,): lifted, and drawn back first, each by so much.
+
+    Args:
+        start: where the palm is. end: where it shall be; it arrives along its own x.
+        ahead: the heading of who reaches, radians: back is the other way.
+    """
+    a, b = start[:3], end[:3]
+    distance = float(np.linalg.norm(b - a))
+    into = rotate(end[3:7], np.array([1.0, 0.0, 0.0]))
+    back = -np.array([np.cos(ahead), np.sin(ahead), 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    found: list[Curve] = []
+    for pulled in _BACK:
+        for first in _FIRST:
+            for last in _LAST:
+                leave = (b - a) / 3.0 * (1.0 - pulled / _BACK[-1]) + pulled * back + first * up
+                arrive = (a - b) / 3.0 - min(0.06, 0.25 * distance) * into + last * up
+                shrink = min(1.0, distance / 0.12)  # a hand that is there already makes no loop
+                found.append(Curve(np.stack([a, a + shrink * leave, b + shrink * arrive, b]), start[3:7], end[3:7]))
+    return found
+
+
+def clear_curve(
+    reacher: Reacher, family: Sequence[Curve], seats: tuple[Array, Array], present: Array, prisms: Sequence[Prism]
+) -> tuple[Curve, float]:
+    """The curve of a family that costs least, and by how much hand or forearm is inside something on it, metres.
+
+    Args:
+        reacher: the arm.
+        family: the curves.
+        seats: places (20, 3) and rotations (20, 4) of the spine link at even shares of the time, in the world.
+        present: (3, 4) the arm's links at the start.
+        prisms: what is to be kept clear of.
+    """
+    time = np.linspace(0.0, 1.0, _SAMPLES)
+    lengths = np.array([curve.length for curve in family])
+    if not prisms:
+        return family[int(np.argmin(lengths))], 0.0
+    palms = np.stack([curve.at(time) for curve in family])  # (m, 20, 7)
+    between = gaps(reacher, palms, seats, present, prisms)
+    # Where the way begins or ends nearer to a thing than the margin, it may be so near there.
+    first, last = (np.minimum(between[:, [end]], MARGIN) for end in (0, -1))
+    least = np.where(time[:, None] < _LEAVING, first, np.where(time[:, None] > _ARRIVING, last, MARGIN))
+    short = np.maximum(least - between, 0.0)
+    cost = lengths + _CLOSE * (short**2).mean(axis=1).sum(axis=-1)
+    best = int(np.argmin(cost))
+    return family[best], float(np.maximum(np.minimum(least, 0.0) - between, 0.0)[best].max())
+
+
+def _bezier(points: Array, s: Array) -> Array:
+    """Places (n, 3) of a cubic Bezier curve at its parameter (n)."""
+    s = s[:, None]
+    r = 1.0 - s
+    return r**3 * points[0] + 3.0 * r**2 * s * points[1] + 3.0 * r * s**2 * points[2] + s**3 * points[3]

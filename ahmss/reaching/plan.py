@@ -1,0 +1,183 @@
+"""A reach planned: which hand, how its palm is turned at the end, from what posture, and by which way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, rotate, slerp, to_rotation_vector
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.edit import floor_frame
+from ahmss.reaching.comfort import around_axis, palms_at
+from ahmss.reaching.duration import reach_time
+from ahmss.reaching.leaning import EASY, Stretch, looking, posture_for, stretch_of
+from ahmss.reaching.path import Curve, clear_curve, curves
+from ahmss.reaching.prism import Prism, in_the_way
+from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.standing import Posture, Standing
+from ahmss.reaching.waist import bent_towards
+
+__all__ = ["Goal", "Plan", "Reaching", "palms_of"]
+
+_SPINE = INDEX["spine"]
+_SAMPLES = 20  # of the trunk along the way
+_RIGHT_HANDED, _STRETCH = 0.15, 25.0  # what the left hand costs more; an arm's length beyond what is easy
+_HAND_BY = 0.95
+"""The share of the time by which the hand is there where the trunk helps: that begins with it and ends last."""
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """Where a palm shall come to.
+
+    place (3,), world. rotation: (4,) of the palm's frame, or None where it is free. around: (7,) a frame around whose
+    z axis it is free, x away from the human; the palm then stays `before` metres before it, along its own x.
+    """
+
+    place: Array
+    rotation: Array | None = None
+    around: Array | None = None
+    before: float = 0.0
+
+
+def palms_of(goal: Goal, reacher: Reacher, shoulder: Array) -> Array:
+    """The palms (n, 7) that fulfil a goal, for an arm whose shoulder is at (3,)."""
+    if goal.rotation is not None:
+        turned = goal.rotation[None]
+    elif goal.around is not None:
+        turned = around_axis(goal.around, reacher.sign)
+    else:
+        turned = palms_at(shoulder, goal.place, reacher.sign)
+    places = goal.place - goal.before * rotate(turned, np.array([1.0, 0.0, 0.0]))
+    return np.concatenate([places, turned], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What `Reaching.plan` found.
+
+    reacher: the arm. standing: None where the hips stay. start, end: postures (43, 4), (3,), the arm as at the start.
+    palm (7,): where it comes to. curve: its way. arm: how the arm then is. leant: radians that hips or spine turn.
+    inside: metres by which hand or forearm pass through something on the way: no way round was found.
+    """
+
+    reacher: Reacher
+    standing: Standing | None
+    start: Posture
+    end: Posture
+    palm: Array
+    curve: Curve
+    arm: Stretch
+    leant: float
+    inside: float
+
+    @property
+    def helped(self) -> bool:
+        """Whether the trunk moves."""
+        return self.leant > np.radians(0.5) or float(np.linalg.norm(self.end.root - self.start.root)) > 0.003
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes at ease."""
+        turn = _angle(self.curve.start, self.curve.end)
+        return reach_time(self.curve.length, turn, self.leant)
+
+    def trunk(self, time: Array) -> Posture:
+        """Hips, spine and root at shares of the time (n); the rest as at the start."""
+        done = minimum_jerk(time)
+        rotations = np.repeat(self.start.rotations[None], len(time), axis=0)
+        for link in (0, _SPINE):
+            rotations[:, link] = slerp(self.start.rotations[link], self.end.rotations[link], done)
+        root = self.start.root + done[:, None] * (self.end.root - self.start.root)
+        return Posture(rotations, root)
+
+    def palms(self, time: Array) -> Array:
+        """The palm (n, 7) at shares of the time (n)."""
+        return self.curve.at(time / _HAND_BY if self.helped else time)
+
+
+class Reaching:
+    """A human about to reach, planned step by step, so that who has frames to give can give them in between.
+
+    Args:
+        skeleton: the human's measures.
+        rotations: (43, 4) the present pose. root: (3,).
+        carried: whether hips and legs belong to another motion.
+    """
+
+    def __init__(self, skeleton: Skeleton, rotations: Array, root: Array, *, carried: bool = False) -> None:
+        self.skeleton = skeleton
+        self.start = Posture(rotations, root)
+        self.standing = None if carried else Standing.of(skeleton, rotations, root)
+        self.heading = _heading(rotations, root)
+        self.base = self.start if self.standing is None else self.standing.base
+
+    def present(self, reacher: Reacher) -> Array:
+        """The arm's links (3, 4) now."""
+        return reacher.arm.from_pose(self.start.rotations[reacher.links])
+
+    def palms(self, reacher: Reacher, goal: Goal) -> Array:
+        """The palms (n, 7) that fulfil a goal."""
+        spine = seat(self.skeleton, self.base.rotations, self.base.root)
+        return palms_of(goal, reacher, reacher.shoulder(spine))
+
+    def better_side(self, goal: Goal, sides: Sequence[str], prisms: Sequence[Prism] = ()) -> Reacher:
+        """The arm of several that comes to the goal more easily; the right one, where it makes no difference."""
+        costs: list[tuple[float, int]] = []
+        arms = [Reacher.of(self.skeleton, side) for side in sides]
+        for i, reacher in enumerate(arms if len(arms) > 1 else ()):
+            palms, present = self.palms(reacher, goal), self.present(reacher)
+            _, arm = stretch_of(reacher, palms, self.base, present, in_the_way(prisms, self.base.root, goal.place))
+            beyond = max(arm.stretched - EASY, 0.0)
+            costs.append((arm.cost + _STRETCH * beyond + (_RIGHT_HANDED if reacher.sign > 0.0 else 0.0), i))
+        return arms[min(costs)[1]] if costs else arms[0]
+
+    def postures(
+        self, reacher: Reacher, goal: Goal, prisms: Sequence[Prism]
+    ) -> Iterator[tuple[Posture, Array, Stretch]]:
+        """The posture to reach from, the palm (7,) at its end, how the arm then is; each better than the last."""
+        palms, present = self.palms(reacher, goal), self.present(reacher)
+        if self.standing is not None:
+            for posture, best, arm in posture_for(self.standing, reacher, palms, present, prisms):
+                yield posture, palms[best], arm
+            return
+        best, _ = stretch_of(reacher, palms, self.base, present, prisms)
+        rotations, root = self.base.rotations.copy(), self.base.root
+        wrist, _ = reacher.hand(palms[best])
+        rotations[_SPINE] = bent_towards(reacher, rotations[0], root, rotations[_SPINE], wrist)
+        bent = Posture(rotations, root)
+        best, arm = stretch_of(reacher, palms, bent, present, prisms)
+        yield bent, palms[best], arm
+
+    def way(
+        self, reacher: Reacher, found: tuple[Posture, Array, Stretch], gaze: Array, prisms: Sequence[Prism]
+    ) -> Plan:
+        """The plan for a posture, palm and arm that `postures` found; `gaze` (3,): what is looked at meanwhile."""
+        end, palm, arm = found
+        start = grips(self.skeleton, self.start.rotations, self.start.root)[reacher.row]
+        leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
+        family = curves(start, palm, self.heading)
+        plan = Plan(reacher, self.standing, self.start, end, palm, family[0], arm, leant, 0.0)
+        near = in_the_way(prisms, self.start.root, start[:3], palm[:3])
+        trunk = plan.trunk(np.linspace(0.0, 1.0, _SAMPLES))
+        seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
+        seats = seat(self.skeleton, seen, trunk.root)
+        curve, inside = clear_curve(reacher, family, seats, self.present(reacher), near)
+        return Plan(reacher, self.standing, self.start, end, palm, curve, arm, leant, inside)
+
+
+def _heading(rotations: Array, root: Array) -> float:
+    """Where the hips face, radians."""
+    _, turned = floor_frame(rotations, root)
+    return float(2.0 * np.arctan2(turned[3], turned[0]))
+
+
+def _angle(a: Array, b: Array) -> float:
+    """Radians between two rotations (4,)."""
+    return float(np.linalg.norm(to_rotation_vector(multiply(conjugate(a), b))))
