@@ -55,6 +55,11 @@ class World:
 
     # What a reader asks
 
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Names of the objects whose states or holder a snapshot says other than the scene."""
+        return self._changed
+
     def pose(self, name: str) -> Array:
         """(7,) place and rotation of the object in the world, now. KeyError: no such object."""
         return self._poses[self._rows[name]]

@@ -237,7 +237,7 @@ def _worktop() -> list[Piece]:
     ]
     hole = [(x + 4, y) for x, y in outline]
     rings = [[[x, y, 82.0] for x, y in border], [[x, y, 86.0] for x, y in border]]
-    sides = loft("steel", rings, top=False)
+    sides = loft("steel", rings, bottom=False, top=False)  # a bottom would close the basin
     top = Piece(
         "steel",
         np.array([[x, y, 86.0] for x, y in border] + [[x, y, 86.0] for x, y in hole]),
@@ -251,15 +251,21 @@ def _worktop() -> list[Piece]:
 
 
 def tap() -> Model:
-    """A tap whose spout reaches 18 cm forward, with a lever on top."""
+    """A tap whose spout reaches 18 cm forward, the lever on top well over it; the water falls 18 cm below its foot."""
     profile = [(0.0, 0.0), (2.8, 0.0), (2.8, 0.6), (2.1, 1.2), (1.9, 17.0), (2.1, 17.4), (2.1, 19.6), (0.0, 20.2)]
     post = lathe("chrome", profile, 12)
     turns = np.radians(np.linspace(0.0, 150.0, 7))
-    arc = [[9.0 - 9.0 * np.cos(a), 0.0, 13.0 + 9.0 * np.sin(a)] for a in turns]
-    spout = tube("chrome", [[0.5, 0.0, 9.0], *arc[1:], [17.6, 0.0, 15.0]], 1.0, 8)
-    bar = [[0.0, 0.0, 19.6], [-0.5, 0.0, 21.0], [-1.5, 0.0, 22.0], [-9.0, 0.0, 24.0]]
+    arc = [[9.0 - 9.0 * np.cos(a), 0.0, 12.6 + 5.6 * np.sin(a)] for a in turns]
+    spout = tube("chrome", [[0.5, 0.0, 9.0], *arc[1:], [17.6, 0.0, 14.0]], 1.0, 8)
+    bar = [[0.0, 0.0, 19.6], [0.3, 0.0, 21.4], [1.6, 0.0, 22.6], [10.0, 0.0, 25.0]]
     lever = tube("lever", bar, [0.7, 0.7, 0.7, 0.9], 6)
-    return [post, spout, lever], {"chrome": (190, 196, 202), "lever": (150, 156, 162)}
+    stream = lathe("water", [(0.0, -17.8), (0.38, -17.8), (0.42, -2.0), (0.6, 14.3), (0.0, 14.3)], 8).moved(17.7)
+    splash = lathe("water", [(0.0, -17.9), (3.4, -17.9), (2.6, -17.5), (0.0, -17.3)], 10).moved(17.7)
+    return [post, spout, lever, stream, splash], {
+        "chrome": (190, 196, 202),
+        "lever": (150, 156, 162),
+        "water": (176, 212, 236),
+    }
 
 
 def bed() -> Model:

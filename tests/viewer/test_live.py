@@ -199,12 +199,12 @@ def test_a_shape_that_comes_later_is_shown_then() -> None:
     stage = Stage()
     shown = Mirror(stage, asset, lambda _: {})
     shown.show(world)
-    assert not stage.things[4].surfaces
+    assert not stage.things[4].pieces
     assert shown.problems == ["the server has no asset"]
     shapes["a"] = box_glb((1.0, 1.0, 1.0), RED)
     shown._again = 0.0
     shown.show(world)
-    assert stage.things[4].surfaces
+    assert stage.things[4].pieces
 
 
 def test_a_scene_that_grows_and_shrinks_is_followed() -> None:

@@ -32,6 +32,7 @@ def pack(surface: Surface, T_world_object: NDArray[Any] | None = None) -> NDArra
     packed["position"] = positions
     packed["normal"][:, :3] = np.round(127.0 * normals)
     packed["colour"] = surface.colours
+    packed["colour"][:, 3] = round(255.0 * surface.lit)  # nothing is transparent: the fourth number is free
     if surface.texcoords is not None:
         packed["texcoord"] = surface.texcoords
     if skin is not None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.errors import ProtocolError
+from ahmss.states.behaviour import PART
 from ahmss_viewer.surface import Skin, Surface, corner_normals, facing_out
 
 __all__ = ["read_glb"]
@@ -73,7 +74,8 @@ class _File:
                 skin = node.get("skin")
                 for primitive in self.tree["meshes"][node["mesh"]]["primitives"]:
                     if primitive.get("mode", _TRIANGLES) == _TRIANGLES:
-                        found.append(self._surface(primitive, T_world_node, skin))
+                        surface = self._surface(primitive, T_world_node, skin)
+                        found.append(replace(surface, part=_part(self.tree["meshes"][node["mesh"]])))
         return tuple(found)
 
     def _surface(self, primitive: _Json, T_world_node: NDArray[Any], skin: int | None) -> Surface:
@@ -155,6 +157,12 @@ class _File:
         if values.dtype.kind == "f":
             return values.astype(np.float32)
         return (values / float(np.iinfo(values.dtype).max)).astype(np.float32)
+
+
+def _part(mesh: _Json) -> str:
+    """The part of an object that a mesh is, where the look of that depends on states."""
+    name = mesh.get("name", "")
+    return name.removeprefix(PART) if isinstance(name, str) and name.startswith(PART) else ""
 
 
 def _local(node: _Json) -> NDArray[Any]:

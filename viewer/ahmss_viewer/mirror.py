@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,10 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AhmssError, ProtocolError
+from ahmss.states.behaviour import Behaviour, decode_behaviour
 from ahmss.world.schema import HumanRecord, ObjectRecord
 from ahmss.world.view import World
+from ahmss_viewer.dressing import Wardrobe
 from ahmss_viewer.figure import plain_figure
 from ahmss_viewer.glb import read_glb
 from ahmss_viewer.stage import Stage
@@ -22,6 +24,7 @@ __all__ = ["Mirror"]
 
 _PATIENCE_S = 3.0
 _LOOK = ("id", "name", "shape", "texture")
+_OBJECT = (*_LOOK, "behaviour")
 
 
 class Mirror:
@@ -43,6 +46,9 @@ class Mirror:
         self.problems: list[str] = []
         self._asset, self._skeleton = asset, skeleton
         self._surfaces: dict[tuple[str, str], tuple[Surface, ...]] = {}
+        self._behaviours: dict[str, Behaviour | None] = {}
+        self._wardrobe = Wardrobe(stage)
+        self._changed: tuple[str, ...] = ()
         self._objects: dict[int, tuple[Any, ...]] = {}
         self._humans: dict[int, tuple[Any, ...]] = {}
         self._poses: Array | None = None
@@ -53,6 +59,7 @@ class Mirror:
     def show(self, world: World) -> None:
         """Bring the stage to what the world is now; what could not be had is asked for again after a while."""
         again = bool(self._missing) and time.monotonic() > self._again
+        changed: Iterable[str] = (*self._changed, *world.changed)
         if world.revision != self._revision or again:
             self._revision = world.revision
             self._objects = {n: look for n, look in self._objects.items() if n not in self._missing}
@@ -61,6 +68,9 @@ class Mirror:
             self._again = time.monotonic() + _PATIENCE_S
             self._follow_objects(world)
             self._follow_humans(world)
+            changed = world.objects
+        self._changed = world.changed
+        self._wardrobe.follow((name, world.objects[name].states) for name in changed if name in world.objects)
         self._place_objects(world)
         for number, pose in zip(world.human_ids, world.human_poses, strict=True):
             if int(number) in self.stage.actors:
@@ -68,14 +78,17 @@ class Mirror:
 
     def _follow_objects(self, world: World) -> None:
         """Objects that are new, gone, or look another way than before."""
-        wanted = {r.id: tuple(getattr(r, key) for key in _LOOK) for r in world.objects.values()}
+        wanted = {r.id: tuple(getattr(r, key) for key in _OBJECT) for r in world.objects.values()}
         for number in [n for n, look in self._objects.items() if wanted.get(n) != look]:
             self.stage.remove_object(number)
+            self._wardrobe.remove(number)
             del self._objects[number]
         for record in world.objects.values():
             if record.id not in self._objects:
                 pose = world.pose(record.name)
-                self.stage.add_object(record.id, record.name, self._load(record), pose[:3], pose[3:])
+                surfaces, behaviour = self._load(record), self._behaviour(record)
+                shape = self._wardrobe.add(record.id, record.name, behaviour, surfaces, record.states)
+                self.stage.add_object(record.id, record.name, shape, pose[:3], pose[3:])
                 self._objects[record.id] = wanted[record.id]
         self._poses = None
 
@@ -132,6 +145,22 @@ class Mirror:
             else:
                 self._surfaces[key] = surfaces
         return self._surfaces[key]
+
+    def _behaviour(self, record: ObjectRecord) -> Behaviour | None:
+        """How its kind looks by its states, read once for all objects of the kind; None where nothing says so."""
+        name = record.behaviour
+        if not name:
+            return None
+        if name not in self._behaviours:
+            try:
+                self._behaviours[name] = decode_behaviour(self._asset(name))
+            except AhmssError as error:
+                self._note(f"{record.name} is shown as in its first states: {error}")
+                if not isinstance(error, ProtocolError):
+                    self._missing.add(record.id)
+                    return None
+                self._behaviours[name] = None
+        return self._behaviours[name]
 
     def _note(self, problem: str) -> None:
         """Say each problem once."""

@@ -17,7 +17,7 @@ _OBJECT, _HUMAN = (38, 44, 52, 190), (150, 74, 30, 210)
 
 def name_flats(stage: Stage, view: View, size: tuple[int, int], writer: Writer) -> list[Flat]:
     """One label a thing; of two that overlap the nearer is shown. Things without a surface have none."""
-    things = [thing for thing in stage.things.values() if thing.surfaces]
+    things = [thing for thing in stage.things.values() if thing.pieces]
     actors = list(stage.actors.values())
     if not things and not actors:
         return []

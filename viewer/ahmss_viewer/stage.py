@@ -16,36 +16,11 @@ from ahmss.body.quaternion import to_matrix
 from ahmss_viewer.batch import Batch, open_image
 from ahmss_viewer.still import Merged
 from ahmss_viewer.surface import Surface
+from ahmss_viewer.thing import Piece, Thing, box_of
 
-__all__ = ["Actor", "Stage", "Thing"]
+__all__ = ["Actor", "Piece", "Stage", "Thing"]
 
 _REST = 30  # pictures without a movement after which an object is merged again
-
-
-@dataclass
-class Thing:
-    """An object on the stage. `box`: its lowest and highest corner (2, 3) in its own frame."""
-
-    id: int
-    name: str
-    surfaces: tuple[Surface, ...]
-    place: Array
-    rotation: Array
-    box: Array
-    mesh: pyrender.Mesh
-    node: pyrender.Node | None = None  # where it is drawn by itself, while it moves
-    rested: int = 0
-
-    @property
-    def matrix(self) -> Array:
-        """T_world_object (4, 4)."""
-        T = np.eye(4)
-        T[:3, :3], T[:3, 3] = to_matrix(self.rotation), self.place
-        return T
-
-    def centre(self) -> Array:
-        """The middle of its box in the world."""
-        return self.matrix[:3, :3] @ self.box.mean(axis=0) + self.place
 
 
 @dataclass
@@ -75,7 +50,8 @@ class Stage:
         self.actors: dict[int, Actor] = {}
         self._merged: dict[tuple[bytes | None, bool], Merged] = {}
         self._textures: dict[bytes, pyrender.Texture | None] = {}
-        self._meshes: dict[tuple[int, ...], tuple[tuple[Surface, ...], pyrender.Mesh]] = {}
+        self._lifted: dict[int, Thing] = {}
+        self._batches: dict[int, tuple[Surface, Batch]] = {}
 
     # objects
 
@@ -83,18 +59,15 @@ class Stage:
         self,
         number: int,
         name: str,
-        surfaces: Sequence[Surface],
+        shape: Sequence[Surface | Piece],
         place: Array,
         rotation: Array,
     ) -> None:
         """Put a new object on the stage; surfaces shared with other objects (one kind) are uploaded once."""
         self.remove_object(number)
-        surfaces = tuple(surface for surface in surfaces if len(surface.faces))
-        boxes = np.array([surface.bounds() for surface in surfaces]) if surfaces else np.zeros((1, 2, 3))
-        box = np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
-        thing = Thing(
-            number, name, surfaces, np.array(place, float), np.array(rotation, float), box, self._mesh(surfaces)
-        )
+        pieces = tuple(one if isinstance(one, Piece) else Piece(one) for one in shape)
+        pieces = tuple(piece for piece in pieces if len(piece.surface.faces))
+        thing = Thing(number, name, pieces, np.array(place, float), np.array(rotation, float), box_of(pieces))
         self.things[number] = thing
         self._settle(thing)
 
@@ -103,33 +76,42 @@ class Stage:
         thing = self.things.pop(number, None)
         if thing is None:
             return
-        if thing.node is not None:
-            self.scene.remove_node(thing.node)
-        for index, surface in enumerate(thing.surfaces):
-            self._merge_of(surface).remove((number, index))
+        self._put_down(thing)
+        for merged in self._merged.values():
+            for index in range(len(thing.pieces)):
+                merged.remove((number, index))
 
     def move_object(self, number: int, place: Array, rotation: Array) -> None:
         """Put an object elsewhere; one that is already there stays merged."""
         thing = self.things[number]
         if np.array_equal(thing.place, place) and np.array_equal(thing.rotation, rotation):
             return
-        thing.place, thing.rotation, thing.rested = np.array(place, float), np.array(rotation, float), 0
-        if thing.node is None:
-            for index, surface in enumerate(thing.surfaces):
-                self._merge_of(surface).lift((number, index))
-            thing.node = self.scene.add(thing.mesh, pose=thing.matrix)
+        thing.place, thing.rotation = np.array(place, float), np.array(rotation, float)
+        self._lift(thing)
+
+    def dress_object(self, number: int, pieces: Sequence[Piece]) -> None:
+        """Give an object another look: as many pieces as it was added with, their surfaces as large as those."""
+        thing = self.things[number]
+        before, thing.pieces = thing.pieces, tuple(piece for piece in pieces if len(piece.surface.faces))
+        turned = any(not _same(a.matrix, b.matrix) for a, b in zip(before, thing.pieces, strict=True))
+        for index, piece in enumerate(before):
+            if piece.surface is not thing.pieces[index].surface:
+                self._merge_of(piece.surface).lift((number, index))
+        if thing.node is not None:
+            self._put_down(thing)
+            self._lift(thing)
+        elif turned:
+            self._lift(thing)
         else:
-            self.scene.set_pose(thing.node, thing.matrix)
+            self._settle(thing)
 
     def tick(self) -> None:
         """Call after each picture: what has not moved for a while is merged again."""
-        for thing in self.things.values():
-            if thing.node is not None:
-                thing.rested += 1
-                if thing.rested >= _REST:
-                    self.scene.remove_node(thing.node)
-                    thing.node = None
-                    self._settle(thing)
+        for thing in list(self._lifted.values()):
+            thing.rested += 1
+            if thing.rested >= _REST:
+                self._put_down(thing)
+                self._settle(thing)
 
     # humans
 
@@ -176,10 +158,8 @@ class Stage:
         for actor in self.actors.values():
             for batch in actor.batches:
                 yield batch, np.eye(4)
-        for node in self.scene.mesh_nodes:
-            for primitive in node.mesh.primitives:
-                if not primitive.influences:
-                    yield primitive, node.matrix
+        for thing in self._lifted.values():
+            yield from thing.drawn()
 
     def still_version(self) -> int:
         """Changes when what stands still changes."""
@@ -194,23 +174,44 @@ class Stage:
         boxes: list[Array | None] = []
         for actor in self.actors.values():
             boxes.append(np.array([actor.places.min(axis=0) - 0.25, actor.places.max(axis=0) + 0.3]))
-        for thing in self.things.values():
-            if thing.node is not None:
-                reach = float(np.linalg.norm(thing.box, axis=1).max())
-                boxes.append(np.array([thing.place - reach, thing.place + reach]))
+        for thing in self._lifted.values():
+            reach = float(np.linalg.norm(thing.box, axis=1).max())
+            boxes.append(np.array([thing.place - reach, thing.place + reach]))
         return _union(boxes)
 
     def faces(self) -> int:
         """How many triangles a picture has."""
-        objects = sum(len(s.faces) for thing in self.things.values() for s in thing.surfaces)
+        objects = sum(len(p.surface.faces) for thing in self.things.values() for p in thing.pieces if p.shown)
         return objects + sum(len(batch.faces) for actor in self.actors.values() for batch in actor.batches)
 
     # inside
 
     def _settle(self, thing: Thing) -> None:
-        """Merge an object that stands still."""
-        for number, surface in enumerate(thing.surfaces):
-            self._merge_of(surface).put((thing.id, number), surface, thing.matrix)
+        """Merge an object that stands still; what of it is hidden keeps its room there."""
+        for index, piece, matrix in thing.placed():
+            merged = self._merge_of(piece.surface)
+            merged.put((thing.id, index), piece.surface, matrix)
+            if not piece.shown:
+                merged.lift((thing.id, index))
+
+    def _lift(self, thing: Thing) -> None:
+        """Draw an object by itself from now on."""
+        thing.rested = 0
+        if thing.node is not None:
+            self.scene.set_pose(thing.node, thing.matrix)
+            return
+        for index, piece in enumerate(thing.pieces):
+            self._merge_of(piece.surface).lift((thing.id, index))
+        thing.batches = [self._batch(piece.surface) for piece in thing.pieces]
+        thing.node = self.scene.add(pyrender.Mesh(list(thing.batches)), pose=thing.matrix)
+        self._lifted[thing.id] = thing
+
+    def _put_down(self, thing: Thing) -> None:
+        """Draw it by itself no longer."""
+        if thing.node is not None:
+            self.scene.remove_node(thing.node)
+            thing.node = None
+            del self._lifted[thing.id]
 
     def _merge_of(self, surface: Surface) -> Merged:
         """The merged batch of this surface's texture."""
@@ -227,13 +228,17 @@ class Stage:
             self._textures[image] = open_image(image)
         return self._textures[image]
 
-    def _mesh(self, surfaces: tuple[Surface, ...]) -> pyrender.Mesh:
-        """The mesh of these surfaces, shared by all objects that have the same ones."""
-        key = tuple(id(surface) for surface in surfaces)
-        if key not in self._meshes:
-            mesh = pyrender.Mesh([Batch.of(s, self._texture(s.image)) for s in surfaces])
-            self._meshes[key] = (surfaces, mesh)  # holds the surfaces, so that their ids stay theirs
-        return self._meshes[key][1]
+    def _batch(self, surface: Surface) -> Batch:
+        """The batch of a surface, shared by all objects that have it."""
+        known = self._batches.get(id(surface))
+        if known is None:  # holds the surface, so that its id stays its own
+            known = self._batches[id(surface)] = (surface, Batch.of(surface, self._texture(surface.image)))
+        return known[1]
+
+
+def _same(a: Array | None, b: Array | None) -> bool:
+    """Whether two matrices are the same, None being the identity."""
+    return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
 
 def _union(boxes: Sequence[Array | None]) -> Array | None:

@@ -47,11 +47,11 @@ class Merged:
         self.version += 1
         self._bounds = None
         part = self._parts.get(key)
-        if part is None or part.surface is not surface:
+        if part is None or not _fits(part.surface, surface):
             self._parts[key] = _Part(surface, T_world_object)
             self._discard()
             return
-        part.T_world_object, part.lifted = T_world_object, False
+        part.surface, part.T_world_object, part.lifted = surface, T_world_object, False
         if self._batch is not None:
             vertices = pack(surface, T_world_object)
             self._batch.update(part.first_vertex, vertices, part.first_face, surface.faces + part.first_vertex)
@@ -110,6 +110,11 @@ class Merged:
         """The buffers no longer fit; they are freed at the next draw, when the context is current."""
         if self._batch is not None:
             self._old, self._batch = self._batch, None
+
+
+def _fits(old: Surface, new: Surface) -> bool:
+    """Whether a surface has room where another was."""
+    return old is new or (len(old.positions) == len(new.positions) and len(old.faces) == len(new.faces))
 
 
 def _corners(part: _Part) -> NDArray[Any]:

@@ -31,7 +31,8 @@ class Surface:
 
     positions, normals (n, 3) float32; colours (n, 4) uint8, sRGB; texcoords (n, 2) float32, v down, or None;
     faces (m, 3) uint32; image: the bytes of a PNG or JPEG, or None; skin: for humans; two_sided: to be seen from
-    behind too.
+    behind too; part: the part of an object that it is, where its look may change; lit: how much of its light is its
+    own, 0 to 1.
     """
 
     positions: NDArray[np.float32]
@@ -42,6 +43,8 @@ class Surface:
     image: bytes | None = None
     skin: Skin | None = None
     two_sided: bool = False
+    part: str = ""
+    lit: float = 0.0
 
     def textured(self, image: bytes) -> Surface:
         """The same surface with another picture on it; one without texture coordinates stays as it is."""

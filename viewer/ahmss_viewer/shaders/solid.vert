@@ -42,7 +42,8 @@ void main() {
     vec3 albedo = colour.rgb * colour.rgb;
     vec3 sky = mix(vec3(0.25, 0.22, 0.19), vec3(0.46, 0.50, 0.56), 0.5 + 0.5 * n.z);
     vec3 dim = sky + vec3(0.16, 0.15, 0.14) * max(dot(n, fill), 0.0);
-    shade = vec4(albedo * dim, 0.64 * max(dot(n, sun), 0.0) / dim.g);
+    // What is lit from within (colour.a) is as bright as its colour says, in the shade too.
+    shade = vec4(albedo * mix(dim, vec3(1.0), colour.a), (1.0 - colour.a) * 0.64 * max(dot(n, sun), 0.0) / dim.g);
     vec4 lifted = vec4(p + 0.012 * n, 1.0);
     in_shadows = (T_shadows_world * lifted).xyz;
 #ifdef TEXTURED
