@@ -63,7 +63,7 @@ def film(tmp_path: Path) -> Replay:
     first = {"light": "off", "angle": 0.0}
     objects = [
         ObjectRecord(number, name, "signal", place, UPRIGHT, shape=shape, states=first, behaviour=behaviour)
-        for number, name, place in ((1, "a", (0.0, 0.0, 0.0)), (2, "b", (0.0, 2.0, 0.0)))
+        for number, name, place in ((1, "a", (0.0, 0.0, 0.0)), (2, "b", (0.0, 1.1, 0.0)))
     ]  # fmt: skip
     scene = Scene(1, objects, [])
     writer = Writer(tmp_path / "signal.rec", assets.get)
@@ -91,7 +91,7 @@ def test_parts_are_lit_hidden_turned_and_as_before(film: Replay, draw: Draw) -> 
     assert not is_red(pixel(turned, end))
     assert is_red(pixel(turned, np.array([0.25, -0.1, 0.65])))
     assert np.abs(again - off).mean() < 0.05  # a pixel or two at edges, for it is drawn by itself now
-    beside = (np.array([0.25, 2.0, 1.0]), np.array([0.25, 2.0, 0.35]))
+    beside = (np.array([0.25, 1.1, 1.0]), np.array([0.25, 1.1, 0.35]))
     for picture in pictures:
         for place in beside:
             assert pixel(picture, place) == pytest.approx(pixel(off, place), abs=1)
