@@ -1,0 +1,125 @@
+"""A hand as what touches: balls along its fingers and in its palm, and how they move as the fingers bend.
+
+All in the hand's frame: x along the hand, the palm towards -y of the right hand and +y of the left, the thumb -z. A
+finger bends within a plane of x and the palm's direction; the thumb within a plane through x that is turned about it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import between, conjugate, from_axis_angle, rotate
+from ahmss.body.skeleton import Skeleton
+
+__all__ = ["ALONG", "BALLS", "FINGERS", "Hand", "Thumb"]
+
+FINGERS = ("index", "middle", "ring", "little")
+SEGMENTS = ("proximal", "intermediate", "distal")
+BALLS = 7  # balls along a link
+ALONG = np.linspace(0.0, 1.0, BALLS)
+TIP = np.interp(ALONG, [0.0, 0.6, 0.8, 1.0], [1.0, 1.0, 0.93, 0.65])  # a last link's radius along it, of its own
+LENGTH = 0.095  # metres of the hand of which the palm's balls were taken
+# Along the hand, out of the palm, to the little finger's side; the skin there is as far out as the palm's middle is, or
+# further: the middle in a line across, the fingers' roots, the balls of thumb and little finger.
+PALM = np.array([
+    [0.076, 0.0, -0.022], [0.076, 0.0, -0.0019], [0.076, 0.0, 0.02],
+    [0.093, 0.0, -0.0247], [0.093, 0.0, -0.0057], [0.093, 0.0, 0.0133],
+    [0.034, 0.0075, -0.017], [0.034, 0.004, 0.02],
+])  # fmt: skip
+X = np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class Thumb:
+    """Where thumbs are: radians from along the hand, of their plane from out of the palm, and of the end's bend."""
+
+    out: Array
+    rise: Array
+    bend: Array
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Lengths and radii of one hand, metres, in the hand's frame.
+
+    roots: (4, 3) of the fingers. lengths, radii: (4, 3) of their links. thumb_root: (3,). thumb_lengths, thumb_radii:
+    (2,). palm: (B, 3) middles of the palm's balls; palm_radius: of each. grip: (7,) the palm's frame.
+    """
+
+    side: str
+    roots: Array
+    lengths: Array
+    radii: Array
+    thumb_root: Array
+    thumb_lengths: Array
+    thumb_radii: Array
+    palm: Array
+    palm_radius: float
+    grip: Array
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, side: str) -> Hand:
+        """The `"right"` or `"left"` hand of a human."""
+        links = np.array([[INDEX[f"{side}_{finger}_{segment}"] for segment in SEGMENTS] for finger in FINGERS])
+        thumb = np.array([INDEX[f"{side}_thumb_proximal"], INDEX[f"{side}_thumb_distal"]])
+        hand = INDEX[f"{side}_hand"]
+        scale = float(skeleton.tips[hand][0]) / LENGTH
+        return cls(
+            side, skeleton.offsets[links[:, 0]], skeleton.tips[links][..., 0], skeleton.radii[links],
+            skeleton.offsets[thumb[0]], skeleton.tips[thumb][:, 0], skeleton.radii[thumb],
+            scale * PALM * np.array([1.0, -1.0 if side == "right" else 1.0, 1.0]),
+            float(abs(skeleton.grips[0][1])), skeleton.grips[0 if side == "right" else 1],
+        )  # fmt: skip
+
+    @property
+    def towards(self) -> float:
+        """The sign of y on the palm's side."""
+        return -1.0 if self.side == "right" else 1.0
+
+    def finger_balls(self, flexion: Array) -> tuple[Array, Array]:
+        """Middles (..., 4, 3, BALLS, 3) of the balls along the fingers' links, and their radii (4, 3, BALLS).
+
+        Args:
+            flexion: (..., 4, 3) radians at knuckle, middle and end joint.
+        """
+        bent = np.cumsum(flexion, axis=-1)
+        along = np.stack([np.cos(bent), self.towards * np.sin(bent), np.zeros_like(bent)], axis=-1)
+        along = along * self.lengths[..., None]
+        starts = self.roots[:, None] + np.cumsum(along, axis=-2) - along
+        radii = np.repeat(self.radii[..., None], BALLS, axis=-1)
+        radii[:, 2] *= TIP
+        return starts[..., None, :] + ALONG[:, None] * along[..., None, :], radii
+
+    def thumb_balls(self, thumb: Thumb) -> tuple[Array, Array]:
+        """Middles (..., 2, BALLS, 3) of the balls along the thumb's two links, and their radii (2, BALLS)."""
+        bent = np.stack([thumb.out, thumb.out - thumb.bend], axis=-1)
+        along = self._thumb_along(bent, thumb.rise[..., None]) * self.thumb_lengths[:, None]
+        starts = self.thumb_root + np.cumsum(along, axis=-2) - along
+        radii = np.repeat(self.thumb_radii[:, None], BALLS, axis=-1)
+        radii[1] *= TIP
+        return starts[..., None, :] + ALONG[:, None] * along[..., None, :], radii
+
+    def _thumb_along(self, out: Array, rise: Array) -> Array:
+        """Directions (..., 3) of a thumb's links."""
+        level = np.sin(out) * np.cos(rise)
+        return np.stack([np.cos(out), self.towards * level, -np.sin(out) * np.sin(rise)], axis=-1)
+
+    def rotations(self, flexion: Array, thumb: Thumb) -> Array:
+        """Rotations (14, 4) in the order of links, for flexions (4, 3) and one thumb."""
+        first = fingers(self.side)[0]
+        rotations = np.empty((14, 4))
+        hinge = np.array([0.0, 0.0, self.towards])
+        for finger, joints in zip(FINGERS, flexion, strict=True):
+            for segment, angle in zip(SEGMENTS, joints, strict=True):
+                rotations[INDEX[f"{self.side}_{finger}_{segment}"] - first] = from_axis_angle(hinge, angle)
+        along = self._thumb_along(thumb.out, thumb.rise)
+        rotations[0] = between(X, along)
+        # The end bends about the axis about which the thumb went out, back towards the fingers.
+        axis = np.cross(X, along)
+        axis = rotate(conjugate(rotations[0]), axis / np.linalg.norm(axis))
+        rotations[1] = from_axis_angle(axis, -float(thumb.bend))
+        return rotations

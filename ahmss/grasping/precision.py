@@ -1,0 +1,114 @@
+"""The precision grip: what is held is between the pads of thumb and fingers (Napier 1956)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, from_matrix, multiply, rotate, to_matrix
+from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands
+from ahmss.grasping.field import Field
+from ahmss.grasping.hand import ALONG, Hand, Thumb
+from ahmss.grasping.holding import Holding, Trial, best
+
+__all__ = ["precision", "thickness"]
+
+DEPTHS = np.array([0.015, 0.01, 0.022, 0.006])  # metres behind where the shape begins
+SPAN = 0.11  # metres between the pads at the most
+STEP = 0.0005  # metres between places that are looked at along a line
+PAD = 4  # which ball of a last link is in the middle of its pad
+X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+
+
+def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
+    """The best precision grip at a site, thumb and fingers along its z, the hand coming along its x.
+
+    Args:
+        hand: that grips.
+        field: of the object, in whose frame all is.
+        grip: (7,) the palm's frame at present.
+        site: (7,) where the pads shall be, or further in.
+
+    Returns:
+        The grip, which may not hold; None where the shape is thicker than the hand spans, or is not there.
+    """
+    tried = [_placed(hand, field, grip, site, depth) for depth in DEPTHS]
+    found = [(pose, rise, i) for i, one in enumerate(tried) if one is not None for pose, rise in [one]]
+    if not found:
+        return None
+    poses = np.array([pose for pose, _, _ in found])  # of the hand
+    turn = to_matrix(poses[:, 3:])
+    grips = multiply(poses[:, 3:], np.broadcast_to(hand.grip[3:], (len(poses), 4)))
+    palms = np.concatenate([poses[:, :3] + turn @ hand.grip[:3], grips], axis=1)
+    rises = np.array([[rise] for _, rise, _ in found])
+    cost = 0.05 * np.array([i for _, _, i in found], float)
+    return best(hand, field, Trial(Hands(poses[:, :3], turn), palms, PRECISION, rises, cost, np.zeros_like(rises)))
+
+
+def _placed(hand: Hand, field: Field, grip: Array, site: Array, depth: float) -> tuple[Array, float] | None:
+    """The hand's frame (7,) whose pads are so deep in the shape, and its thumb's plane; None where it is too thick."""
+    inward, across = rotate(site[3:], X), rotate(site[3:], Z)
+    s = np.arange(0.0, SPAN + 0.05, STEP)
+    inside = field.clearance(site[:3] - s[:, None] * inward) < 0.0
+    begins = float(s[inside][-1]) if inside.any() else 0.0
+    middle = site[:3] - max(begins - depth, 0.0) * inward
+    sides = thickness(field, middle, across)
+    if sides is None or sum(sides) > SPAN:
+        return None
+    middle = middle + 0.5 * (sides[0] - sides[1]) * across
+    place, turn, rise = _pinch(hand, sum(sides))
+    best_pose: Array | None = None
+    least = np.inf
+    for sign in (1.0, -1.0):  # the thumb on that side or on the other, whichever is nearer to how the hand is
+        frame = np.stack([inward, np.cross(sign * across, inward), sign * across], axis=1)
+        q_object_hand = from_matrix(frame @ turn.T)
+        apart = abs(float(multiply(conjugate(multiply(q_object_hand, hand.grip[3:])), grip[3:])[0]))
+        if 1.0 - apart < least:
+            least = 1.0 - apart
+            best_pose = np.concatenate([middle - rotate(q_object_hand, place), q_object_hand])
+    assert best_pose is not None
+    return best_pose, rise
+
+
+def thickness(field: Field, place: Array, across: Array) -> tuple[float, float] | None:
+    """How far the surface is from a place within the shape, along a direction and against it; None beyond `SPAN`."""
+    s = np.arange(0.0, SPAN, STEP)
+    sides: list[float] = []
+    for sign in (1.0, -1.0):
+        outside = field.clearance(place + sign * s[:, None] * across) > 0.0
+        if not outside.any():
+            return None
+        sides.append(float(s[outside.argmax()]))
+    return sides[0], sides[1]
+
+
+def _pinch(hand: Hand, width: float) -> tuple[Array, Array, float]:
+    """Where in the hand the pads are when they are a width apart: their middle, its axes, and the thumb's plane.
+
+    z goes from the fingers' pads to the thumb's, x away from the wrist. Of all ways to have them so far apart that is
+    taken in which the pads face each other most.
+    """
+    share, out = np.linspace(0.1, 1.1, 31), np.radians(np.linspace(25.0, 110.0, 35))
+    bent = share[:, None] * PRECISION.curl
+    fingers, radii = hand.finger_balls(np.repeat(bent[:, None], 4, axis=1))
+    a = bent.sum(axis=1)
+    faces = np.stack([-np.sin(a), hand.towards * np.cos(a), np.zeros_like(a)], axis=-1)
+    pads = fingers[:, :2, 2, PAD].mean(axis=1) + radii[:2, 2, PAD].mean() * faces
+    reach = hand.thumb_lengths[0] * np.sin(out) + ALONG[PAD] * hand.thumb_lengths[1] * np.sin(out - THUMB_SLACK)
+    rise = np.arcsin(np.clip((hand.thumb_root[2] - pads[0, 2]) / reach, -0.6, 0.6))
+    balls, thumb_radii = hand.thumb_balls(Thumb(out, rise, np.full_like(out, THUMB_SLACK)))
+    b = out - THUMB_SLACK
+    back = np.stack([np.sin(b), -hand.towards * np.cos(b) * np.cos(rise), np.cos(b) * np.sin(rise)], axis=-1)
+    thumbs = balls[:, 1, PAD] + thumb_radii[1, PAD] * back
+    apart = thumbs[None] - pads[:, None]
+    length = np.linalg.norm(apart, axis=-1)
+    along = apart / np.maximum(length, 1e-9)[..., None]
+    facing = np.einsum("ijc,ic->ij", along, faces) - np.einsum("ijc,jc->ij", along, back)
+    # What they meet may be between them only where they look at each other; a near miss in width does no harm.
+    worth = facing - np.abs(length - max(width, 0.004)) / 0.004
+    i, j = np.unravel_index(int(worth.argmax()), worth.shape)
+    z = along[i, j]
+    middle = 0.5 * (pads[i] + thumbs[j])
+    x = middle - (middle @ z) * z
+    x = x / np.linalg.norm(x)
+    return middle, np.stack([x, np.cross(z, x), z], axis=1), float(rise[j])
