@@ -19,6 +19,7 @@ _INSTALLED = (
     "ahmss.motion",
     "ahmss.walking",
     "ahmss.grasping",
+    "ahmss.reaching",
     "numpy",
     "scipy",
     "shapely",

@@ -216,6 +216,9 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     motion: Annotated[str | None, Meta(description="path of the action's motion data (.npz)")] = None
     parameters: Annotated[dict[str, Any], Meta(description="the algorithm's parameters, defaults filled in")] = {}
     hand: Annotated[Literal["", "right", "left"], Meta(description="the hand to use, where one is meant")] = ""
+    busy: Annotated[
+        list[Literal["right", "left"]] | UnsetType, Meta(description="the hands that hold something; missing: none")
+    ] = UNSET
     hold: Annotated[
         Literal["", "take", "keep", "release"], Meta(description="what the action does to the object in the hand")
     ] = ""

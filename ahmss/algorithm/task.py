@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
+from msgspec import UNSET
 
 from ahmss.algorithm import cache
 from ahmss.algorithm.messages import FRAME_HUMAN, FRAME_OBJECT, MOVED, Start, size
@@ -77,6 +78,11 @@ class Task:
         self.object = WorldObject.of(start.object) if start.object is not None else None
         self.notes: list[str] = []
         self.world = {record.id: WorldObject.of(record) for record in start.world}
+
+    @property
+    def busy(self) -> tuple[str, ...]:
+        """The hands, of `"right"` and `"left"`, that hold something."""
+        return () if self.message.busy is UNSET else tuple(self.message.busy)
 
     @property
     def carried(self) -> bool:

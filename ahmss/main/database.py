@@ -14,6 +14,7 @@ from msgspec import UNSET
 
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
@@ -30,6 +31,7 @@ from ahmss.world.schema import ObjectRecord
 __all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
 
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
+_AT_IT = 0.2  # metres from an object within which a palm is at it
 _ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
 
 
@@ -174,6 +176,7 @@ class Database:
             motion=str(motion) if motion else None,
             parameters=order.parameters if kind == "human" else order.object_parameters,
             hand=_side(order.hand),
+            busy=sorted(_side(hand) for hand in set(actor.holds.values()) - {""}) or UNSET,
             hold=_hold(order.affordance.hold),
             world=told.world(order.object, actor.root),
             directory=str(entry.directory),
@@ -273,6 +276,7 @@ def _refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:
 def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str) -> str:
     """The hand that is meant: as said, the one that holds the object, or the nearer free one where a hand is asked.
 
+    A free palm that is at the object already, because it has just been reached for, is nearer than any.
     What is taken is taken in a hand, unless its action says that it needs none: a chair is sat on.
     """
     if act.hand or name in actor.holds:
@@ -280,11 +284,15 @@ def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str
     in_hand = affordance.hold == "take" and affordance.needs.get("free_hands", 1.0) > 0.0
     if "hand" not in affordance.asks and not in_hand:
         return ""
+    busy = set(actor.holds.values())
+    palms = grips(actor.skeleton, actor.rotations, actor.root)[:, :3]
+    near = {side: float(np.linalg.norm(pose[:3] - palm)) for side, palm in zip(("right", "left"), palms, strict=True)}
+    if at_it := [side for side, distance in near.items() if distance < _AT_IT and side not in busy]:
+        return min(at_it, key=lambda side: near[side])
     # The hips' z axis points back and y to the left.
     left = rotate(actor.rotations[0], np.array([0.0, 1.0, 0.0]))
     hand = "left" if float((pose[:3] - actor.root) @ left) > _ASIDE else "right"
     other = "right" if hand == "left" else "left"
-    busy = set(actor.holds.values())
     return other if hand in busy and other not in busy else hand
 
 
