@@ -19,7 +19,7 @@ from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import MARGIN, gaps
 
-__all__ = ["Curve", "clear_curve", "curves"]
+__all__ = ["Curve", "clear_curve", "curves", "lifted"]
 
 TURNED_BY = 0.62
 """The share of the time by which the hand has its orientation: by then three quarters of the way are done."""
@@ -27,6 +27,8 @@ TURNED_BY = 0.62
 # Metres by which the curve is lifted after the start and before the end.
 _FIRST, _LAST = (0.03, 0.12, 0.25, 0.42, 0.6), (0.02, 0.1, 0.22)
 _BACK = (0.0, 0.18)  # metres by which it goes back first
+_INTO, _NO_LOOP = 0.06, 0.12  # metres by which it arrives along the palm's x; way below which it is less curved
+_UP = np.array([0.0, 0.0, 1.0])
 _SAMPLES = 20
 _EVENLY = np.linspace(0.0, 1.0, 48)
 _SHORTEST, _TINY = 1e-4, 1e-9  # metres
@@ -68,20 +70,23 @@ def curves(start: Array, end: Array, ahead: float) -> list[Curve]:
         start: where the palm is. end: where it shall be; it arrives along its own x.
         ahead: the heading of who reaches, radians: back is the other way.
     """
+    back = -np.array([np.cos(ahead), np.sin(ahead), 0.0])
+    return [lifted(start, end, first, last, by * back) for by in _BACK for first in _FIRST for last in _LAST]
+
+
+def lifted(start: Array, end: Array, first: float, last: float, back: Array | None = None) -> Curve:
+    """The curve between two palms (7,) that rises by so many metres after the start, and comes down by so many.
+
+    back: (3,) where it goes first, metres, in place of towards the end.
+    """
     a, b = start[:3], end[:3]
     distance = float(np.linalg.norm(b - a))
     into = rotate(end[3:7], np.array([1.0, 0.0, 0.0]))
-    back = -np.array([np.cos(ahead), np.sin(ahead), 0.0])
-    up = np.array([0.0, 0.0, 1.0])
-    found: list[Curve] = []
-    for pulled in _BACK:
-        for first in _FIRST:
-            for last in _LAST:
-                leave = (b - a) / 3.0 * (1.0 - pulled / _BACK[-1]) + pulled * back + first * up
-                arrive = (a - b) / 3.0 - min(0.06, 0.25 * distance) * into + last * up
-                shrink = min(1.0, distance / 0.12)  # a hand that is there already makes no loop
-                found.append(Curve(np.stack([a, a + shrink * leave, b + shrink * arrive, b]), start[3:7], end[3:7]))
-    return found
+    leave = (b - a) / 3.0 if back is None or not back.any() else back
+    arrive = (a - b) / 3.0 - min(_INTO, 0.25 * distance) * into
+    shrink = min(1.0, distance / _NO_LOOP)  # a hand that is there already makes no loop
+    points = np.stack([a, a + shrink * (leave + first * _UP), b + shrink * (arrive + last * _UP), b])
+    return Curve(points, start[3:7], end[3:7])
 
 
 def clear_curve(

@@ -16,12 +16,21 @@ from ahmss.reaching.leaning import looking
 from ahmss.reaching.plan import Plan
 from ahmss.reaching.reacher import seat
 
-__all__ = ["Performed", "perform"]
+__all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
 
 _LEGS = [
     *range(INDEX["right_upper_leg"], INDEX["right_foot"] + 1),
     *range(INDEX["left_upper_leg"], INDEX["left_foot"] + 1),
 ]
+
+
+SHAPED_BY = 0.8
+"""The share of the time by which the fingers have their shape."""
+
+Fingers = tuple[list[int], Array]
+"""Links of fingers and the rotations (n, 4) that they come to."""
+
+_NO_FINGERS: Fingers = ([], np.zeros((0, 4)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,16 +48,14 @@ class Performed:
     jumps: bool
 
 
-def perform(
-    plan: Plan, time: Array, gaze: Array, looked: Array, fingers: tuple[list[int], Array] | None = None
-) -> Performed:
+def perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers = _NO_FINGERS) -> Performed:
     """The frames of a plan at shares of its time (n).
 
     Args:
         plan: the reach.
         time: rising, the first later than 0.
         gaze: (3,) what is looked at. looked: (n,) how much of the way to it the gaze has turned.
-        fingers: links and the rotations (m, 4) that they have at the end, or None.
+        fingers: links and the rotations (m, 4) that they have at the end.
     """
     reacher, skeleton = plan.reacher, plan.reacher.skeleton
     trunk, n = plan.trunk(time), len(time)
@@ -70,11 +77,9 @@ def perform(
     importance = np.zeros(44)
     importance[reacher.links] = 1.0
     importance[INDEX["head"]] = 0.05
-    if fingers is not None:
-        links, end = fingers
-        done = minimum_jerk(time / 0.8)[:, None]
-        rotations[:, links] = slerp(plan.start.rotations[links], end, done)
-        importance[links] = 1.0
+    links, shape = fingers
+    rotations[:, links] = slerp(plan.start.rotations[links], shape, minimum_jerk(time / SHAPED_BY)[:, None])
+    importance[links] = 1.0
     if plan.helped:
         importance[INDEX["spine"]] = 1.0
         if plan.standing is not None:

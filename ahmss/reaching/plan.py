@@ -10,12 +10,12 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, multiply, rotate, slerp, to_rotation_vector
+from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
-from ahmss.reaching.comfort import around_axis, palms_at
 from ahmss.reaching.duration import reach_time
+from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.leaning import EASY, Stretch, looking, posture_for, stretch_of
 from ahmss.reaching.path import Curve, clear_curve, curves
 from ahmss.reaching.prism import Prism, in_the_way
@@ -23,7 +23,7 @@ from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.waist import bent_towards
 
-__all__ = ["Goal", "Plan", "Reaching", "palms_of"]
+__all__ = ["Found", "Plan", "Reaching"]
 
 _SPINE = INDEX["spine"]
 _SAMPLES = 20  # of the trunk along the way
@@ -32,30 +32,8 @@ _HAND_BY = 0.95
 """The share of the time by which the hand is there where the trunk helps: that begins with it and ends last."""
 
 
-@dataclass(frozen=True, eq=False)
-class Goal:
-    """Where a palm shall come to.
-
-    place (3,), world. rotation: (4,) of the palm's frame, or None where it is free. around: (7,) a frame around whose
-    z axis it is free, x away from the human; the palm then stays `before` metres before it, along its own x.
-    """
-
-    place: Array
-    rotation: Array | None = None
-    around: Array | None = None
-    before: float = 0.0
-
-
-def palms_of(goal: Goal, reacher: Reacher, shoulder: Array) -> Array:
-    """The palms (n, 7) that fulfil a goal, for an arm whose shoulder is at (3,)."""
-    if goal.rotation is not None:
-        turned = goal.rotation[None]
-    elif goal.around is not None:
-        turned = around_axis(goal.around, reacher.sign)
-    else:
-        turned = palms_at(shoulder, goal.place, reacher.sign)
-    places = goal.place - goal.before * rotate(turned, np.array([1.0, 0.0, 0.0]))
-    return np.concatenate([places, turned], axis=-1)
+Found = tuple[Posture, Array, Stretch]
+"""A posture to reach from, the palm (7,) at the end, and how the arm then is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,9 +116,7 @@ class Reaching:
             costs.append((arm.cost + _STRETCH * beyond + (_RIGHT_HANDED if reacher.sign > 0.0 else 0.0), i))
         return arms[min(costs)[1]] if costs else arms[0]
 
-    def postures(
-        self, reacher: Reacher, goal: Goal, prisms: Sequence[Prism]
-    ) -> Iterator[tuple[Posture, Array, Stretch]]:
+    def postures(self, reacher: Reacher, goal: Goal, prisms: Sequence[Prism]) -> Iterator[Found]:
         """The posture to reach from, the palm (7,) at its end, how the arm then is; each better than the last."""
         palms, present = self.palms(reacher, goal), self.present(reacher)
         if self.standing is not None:
@@ -155,9 +131,7 @@ class Reaching:
         best, arm = stretch_of(reacher, palms, bent, present, prisms)
         yield bent, palms[best], arm
 
-    def way(
-        self, reacher: Reacher, found: tuple[Posture, Array, Stretch], gaze: Array, prisms: Sequence[Prism]
-    ) -> Plan:
+    def way(self, reacher: Reacher, found: Found, gaze: Array, prisms: Sequence[Prism]) -> Plan:
         """The plan for a posture, palm and arm that `postures` found; `gaze` (3,): what is looked at meanwhile."""
         end, palm, arm = found
         start = grips(self.skeleton, self.start.rotations, self.start.root)[reacher.row]

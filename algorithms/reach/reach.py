@@ -1,4 +1,4 @@
-"""Reaching: a palm travels to a site of the object or to a place (Ichiguchi 2000, 5.3.3; numbers in the docs).
+"""Reaching: a palm travels to a site of the object or to a place (Ichiguchi 2000, 5.3.3).
 
 The eyes and the head go first. The hand goes by a minimum-jerk path around what is in the way, its orientation set
 before its place; the trunk helps where the arm alone is too short. The plan is made in the first frames, a part in
@@ -12,35 +12,46 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.reaching import Looking, goal_of, prisms_of, refuse_far, sides_of
+from ahmss.algorithm.reaching import Looking, goal_of, prisms_of, reach_while_carried, refuse_far, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.motion.fingers import opened
-from ahmss.reaching.performing import perform
-from ahmss.reaching.plan import Reaching
+from ahmss.reaching.performing import Fingers, perform
+from ahmss.reaching.plan import Found, Reaching
 
 
 def reach(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): a few in which the head turns while the way is planned, then all others."""
+    if task.carried:
+        return reach_while_carried(task, goal_of(task), lambda side: _shape(task, side))
+    return _standing(task)
+
+
+def _standing(task: HumanTask) -> Iterator[Array]:
     goal = goal_of(task)
     gaze = Looking(task, goal.place)
-    reaching = Reaching(task.human, task.start.rotations, task.start.root, carried=task.carried)
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
     prisms = prisms_of(task)
     yield gaze.alone()
     reacher = reaching.better_side(goal, sides_of(task), prisms)
-    yield gaze.alone()
-    found = None
-    for found in reaching.postures(reacher, goal, prisms):
-        yield gaze.alone()
-    assert found is not None
-    refuse_far(task, reacher.side, found[2])
-    plan = reaching.way(reacher, found, goal.place, prisms)
-    length = task.length or round(plan.seconds * task.rate)
+    found: list[Found] = []
+    for better in reaching.postures(reacher, goal, prisms):
+        found = [better]
+        if gaze.frames + 1 < task.length or not task.length:
+            yield gaze.alone()
+    refuse_far(task, reacher.side, found[0][2])
+    plan = reaching.way(reacher, found[0], goal.place, prisms)
     first = gaze.frames
+    length = task.length or first + round(plan.seconds * task.rate)
     time = np.arange(1, length - first + 1) / (length - first)
-    shape = (list(fingers(reacher.side)), opened(reacher.side)) if task.parameter("open", True) else None
-    made = perform(plan, time, goal.place, gaze.turned(np.arange(first + 1, length + 1)), shape)
+    made = perform(plan, time, goal.place, gaze.turned(np.arange(first + 1, length + 1)), _shape(task, reacher.side))
     yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _shape(task: HumanTask, side: str) -> Fingers:
+    """The links of the fingers and their rotations (n, 4) at the end; none where they are to stay."""
+    links = list(fingers(side)) if task.parameter("open", True) else []
+    return links, opened(side)[: len(links)]
 
 
 if __name__ == "__main__":

@@ -1,0 +1,133 @@
+"""Reaching while something else carries the body: the place is met in the world, wherever the body then is.
+
+Nothing is known ahead: each frame starts from where the body is now. The palm leaves its place on the body gradually,
+by the same profile as if the body stood, and is at its place in the world with the last frame. How the palm is turned
+there is chosen as if the body were carried on straight until the arm reaches, and anew until shortly before the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import align, conjugate, multiply, rotate, slerp, to_rotation_vector
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.edit import floor_frame
+from ahmss.reaching.comfort import discomfort, solved
+from ahmss.reaching.goal import Goal, palms_of
+from ahmss.reaching.path import lifted
+from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.waist import bent_towards
+
+__all__ = ["Carried"]
+
+_SPINE = INDEX["spine"]
+_NEAR = 0.85  # of the arm's length: how near the body is taken to be carried
+_RIGHT_HANDED = 0.15  # what the left hand costs more
+_FIRST, _LAST = 0.14, 0.1  # metres by which the palm is lifted after the start and before the end
+_FULL = np.radians(8.0)  # of help from the waist, at which the spine is the reach's
+_STEP = np.radians(2.0)  # by which the arm at the end is chosen anew from frame to frame
+_SETTLED = 0.8  # of the time: from then on the palm's end stays
+_MOVE = 0.004  # metres that its end may move in a frame before
+_MOST = 4.0  # the spine's importance then: a walk's is a tenth of it
+
+
+class Carried:
+    """One hand of a human who is carried, from frame to frame.
+
+    reacher: the arm; palm (7,): where it comes to.
+
+    Args:
+        skeleton: the human's measures. goal: where the palm shall be.
+        rotations: (43, 4) the pose at the start. root: (3,).
+        sides: the hands that may be used; the one that comes there more easily is.
+    """
+
+    def __init__(self, skeleton: Skeleton, goal: Goal, rotations: Array, root: Array, sides: Sequence[str]) -> None:
+        found: list[tuple[float, int]] = []
+        arms = [Reacher.of(skeleton, side) for side in sides]
+        palms = [palms_of(goal, reacher, _shoulder(reacher, rotations, root)) for reacher in arms]
+        best: list[int] = []
+        for i, reacher in enumerate(arms):
+            present = reacher.arm.from_pose(rotations[reacher.links])
+            spine = _carried_on(reacher, palms[i][:, :3].mean(axis=0), rotations, root)
+            cost, _, _ = discomfort(reacher, palms[i], spine, present)
+            best.append(int(np.argmin(cost)))
+            found.append((float(cost[best[i]]) + (_RIGHT_HANDED if reacher.sign > 0.0 else 0.0), i))
+        _, chosen = min(found)
+        self.reacher, self.palm = arms[chosen], palms[chosen][best[chosen]]
+        self._goal, self._spine = goal, rotations[_SPINE]
+        self._begun = self.reacher.arm.from_pose(rotations[self.reacher.links])
+        spine = _carried_on(self.reacher, self.palm[:3], rotations, root)
+        self._ended = align(solved(self.reacher, self.palm, spine, self._begun), self._begun)
+        grip = grips(skeleton, rotations, root)[self.reacher.row]
+        place, turn = floor_frame(rotations, root)
+        back = conjugate(turn)
+        self._on_body = np.concatenate([rotate(back, grip[:3] - place), multiply(back, grip[3:])])
+
+    def step(self, rotations: Array, root: Array, time: float) -> tuple[Array, Array, float]:
+        """The next frame at a share of the time, from the present pose (43, 4), (3,).
+
+        Returns:
+            rotations (43, 4), the arm near where its target brings it; the target (7,); the spine's importance.
+        """
+        reacher = self.reacher
+        place, turn = floor_frame(rotations, root)
+        start = np.concatenate([place + rotate(turn, self._on_body[:3]), multiply(turn, self._on_body[3:])])
+        palm = lifted(start, self.palm, _FIRST, _LAST).at(np.array([time]))[0]
+        wrist, _ = reacher.hand(palm)
+        bent = bent_towards(reacher, rotations[0], root, self._spine, wrist)
+        angle = np.linalg.norm(to_rotation_vector(multiply(conjugate(self._spine), bent)))
+        share = min(float(angle) / _FULL, 1.0)
+        out = rotations.copy()
+        out[_SPINE] = bent
+        if time < _SETTLED:
+            self._end_from(out, root)
+        out[reacher.links] = reacher.arm.into_pose(slerp(self._begun, self._ended, minimum_jerk(np.array(time))))
+        return out, palm, _MOST * share * share * (3.0 - 2.0 * share)
+
+    def _end_from(self, rotations: Array, root: Array) -> None:
+        """Bring palm and arm at the end, by a step, nearer to what they would be from a pose as this."""
+        palms = palms_of(self._goal, self.reacher, _shoulder(self.reacher, rotations, root))
+        spine = _carried_on(self.reacher, palms[:, :3].mean(axis=0), rotations, root)
+        cost, _, _ = discomfort(self.reacher, palms, spine, self._begun)
+        self.palm = _nearer(self.palm, palms[int(np.argmin(cost))])
+        better = align(solved(self.reacher, self.palm, spine, self._begun), self._ended)
+        self._ended = _stepped(self._ended, better)
+
+    def missing(self, rotations: Array, root: Array) -> float:
+        """Metres by which the arm is too short for its palm in a pose, less than 0 where it is not."""
+        wrist, _ = self.reacher.hand(self.palm)
+        return float(np.linalg.norm(wrist - _shoulder(self.reacher, rotations, root))) - self.reacher.length
+
+
+def _nearer(palm: Array, better: Array) -> Array:
+    """A palm (7,) a step on to a better one."""
+    rotation = _stepped(palm[3:], align(better[3:], palm[3:]))
+    off = better[:3] - palm[:3]
+    return np.concatenate([palm[:3] + min(1.0, _MOVE / max(float(np.linalg.norm(off)), 1e-9)) * off, rotation])
+
+
+def _stepped(rotations: Array, better: Array) -> Array:
+    """Rotations (..., 4) at the most a step on to better ones."""
+    angle = np.linalg.norm(to_rotation_vector(multiply(conjugate(rotations), better)), axis=-1)
+    return slerp(rotations, better, np.minimum(_STEP / np.maximum(angle, 1e-9), 1.0))
+
+
+def _shoulder(reacher: Reacher, rotations: Array, root: Array) -> Array:
+    return reacher.shoulder(seat(reacher.skeleton, rotations, root))
+
+
+def _carried_on(reacher: Reacher, place: Array, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """The spine link's place and rotation when the body has come straight on to where the arm reaches a place (3,)."""
+    off = place - _shoulder(reacher, rotations, root)
+    level = float(np.hypot(off[0], off[1]))
+    wanted = np.sqrt(max((_NEAR * reacher.length) ** 2 - off[2] ** 2, (0.4 * reacher.length) ** 2))
+    on = max(level - float(wanted), 0.0) / max(level, 1e-9) * off * np.array([1.0, 1.0, 0.0])
+    spine = seat(reacher.skeleton, rotations, root)
+    return spine[0] + on, spine[1]

@@ -1,0 +1,40 @@
+"""Where a palm shall come to, and the palms that fulfil it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import rotate
+from ahmss.reaching.comfort import around_axis, palms_at
+from ahmss.reaching.reacher import Reacher
+
+__all__ = ["Goal", "palms_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """Where a palm shall come to.
+
+    place (3,), world. rotation: (4,) of the palm's frame, or None where it is free. around: (7,) a frame around whose
+    z axis it is free, x away from the human. before: metres that the palm stays before the place, along its own x.
+    """
+
+    place: Array
+    rotation: Array | None = None
+    around: Array | None = None
+    before: float = 0.0
+
+
+def palms_of(goal: Goal, reacher: Reacher, shoulder: Array) -> Array:
+    """The palms (n, 7) that fulfil a goal, for an arm whose shoulder is at (3,)."""
+    if goal.rotation is not None:
+        turned = goal.rotation[None]
+    elif goal.around is not None:
+        turned = around_axis(goal.around, reacher.sign)
+    else:
+        turned = palms_at(shoulder, goal.place, reacher.sign)
+    places = goal.place - goal.before * rotate(turned, np.array([1.0, 0.0, 0.0]))
+    return np.concatenate([places, turned], axis=-1)
