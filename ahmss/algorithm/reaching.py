@@ -83,7 +83,7 @@ def prisms_of(task: HumanTask) -> list[Prism]:
     for thing in things:
         height = _height(thing)
         low = float(thing.place[2])
-        found += [Prism(ring, low, low + height) for ring in thing.occupied if len(ring) >= 3]
+        found += [Prism(ring, low, low + height, thing is task.object) for ring in thing.occupied if len(ring) >= 3]
     return found
 
 

@@ -91,8 +91,8 @@ def lifted(start: Array, end: Array, first: float, last: float, back: Array | No
 
 def clear_curve(
     reacher: Reacher, family: Sequence[Curve], seats: tuple[Array, Array], present: Array, prisms: Sequence[Prism]
-) -> tuple[Curve, float]:
-    """The curve of a family that costs least, and by how much hand or forearm is inside something on it, metres.
+) -> Curve:
+    """The curve of a family that costs least: the shortest that stays clear.
 
     Args:
         reacher: the arm.
@@ -104,7 +104,7 @@ def clear_curve(
     time = np.linspace(0.0, 1.0, _SAMPLES)
     lengths = np.array([curve.length for curve in family])
     if not prisms:
-        return family[int(np.argmin(lengths))], 0.0
+        return family[int(np.argmin(lengths))]
     palms = np.stack([curve.at(time) for curve in family])  # (m, 20, 7)
     between = gaps(reacher, palms, seats, present, prisms)
     # Where the way begins or ends nearer to a thing than the margin, it may be so near there.
@@ -112,8 +112,7 @@ def clear_curve(
     least = np.where(time[:, None] < _LEAVING, first, np.where(time[:, None] > _ARRIVING, last, MARGIN))
     short = np.maximum(least - between, 0.0)
     cost = lengths + _CLOSE * (short**2).mean(axis=1).sum(axis=-1)
-    best = int(np.argmin(cost))
-    return family[best], float(np.maximum(np.minimum(least, 0.0) - between, 0.0)[best].max())
+    return family[int(np.argmin(cost))]
 
 
 def _bezier(points: Array, s: Array) -> Array:

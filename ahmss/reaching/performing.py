@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
-from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
+from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, grips, solve
+from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import slerp
+from ahmss.body.links import fingers as fingers_of
+from ahmss.body.quaternion import rotate, slerp
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.leaning import looking
 from ahmss.reaching.plan import Plan
+from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import seat
 
 __all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
@@ -30,6 +34,9 @@ SHAPED_BY = 0.8
 Fingers = tuple[list[int], Array]
 """Links of fingers and the rotations (n, 4) that they come to."""
 
+_TRIES, _HIGHER = 3, 0.07  # metres
+_AIR = 0.002  # metres between the skin and things on the way
+_OTHER = 0.3  # the other arm's importance
 _NO_FINGERS: Fingers = ([], np.zeros((0, 4)))
 
 
@@ -57,6 +64,17 @@ def perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finger
         gaze: (3,) what is looked at. looked: (n,) how much of the way to it the gaze has turned.
         fingers: links and the rotations (m, 4) that they have at the end.
     """
+    made = _perform(plan, time, gaze, looked, fingers)
+    others = [prism for prism in plan.near if not prism.sought]
+    for _ in range(_TRIES if others else 0):
+        if _touch(plan, others, made, time) <= 0.0:
+            break
+        plan = plan.raised(_HIGHER)
+        made = _perform(plan, time, gaze, looked, fingers)
+    return made
+
+
+def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers) -> Performed:
     reacher, skeleton = plan.reacher, plan.reacher.skeleton
     trunk, n = plan.trunk(time), len(time)
     palms = plan.palms(time)
@@ -67,7 +85,11 @@ def perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finger
     wrist = reacher.wrist(palms, seat(skeleton, seen, trunk.root))
     present = reacher.arm.from_pose(plan.start.rotations[reacher.links])
     way = follow(reacher.arm, wrist, present)
-    rotations[:, reacher.links] = reacher.arm.into_pose(way.links)
+    rotations[:, reacher.links] = seen[:, reacher.links] = reacher.arm.into_pose(way.links)
+    # On the way a hand is turned as its joints allow, not as the shortest turn would have it.
+    palms = np.where((way.turned > 0.0)[:, None], grips(skeleton, seen, trunk.root)[:, reacher.row], palms)
+    if plan.helped:
+        rotations[:, reacher.other] = _other_arm(plan, seen, trunk.root)
     targets = np.zeros((n, 5, 8))
     targets[:, reacher.row, :7], targets[:, reacher.row, 7] = palms, 1.0
     targets[:, GAZE, :3], targets[:, GAZE, 7] = gaze, looked
@@ -82,6 +104,36 @@ def perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finger
     importance[links] = 1.0
     if plan.helped:
         importance[INDEX["spine"]] = 1.0
+        importance[reacher.other] = _OTHER
         if plan.standing is not None:
             importance[[0, 43, *_LEGS]] = 1.0
     return Performed(rotations, trunk.root, np.repeat(importance[None], n, axis=0), targets, bool(way.jumps.any()))
+
+
+def _other_arm(plan: Plan, rotations: Array, root: Array) -> Array:
+    """The other arm's rows (n, 3, 4): its hand stays where it was beside the hips, upright if it was, as they move."""
+    reacher, n = plan.reacher, len(root)
+    before = grips(reacher.skeleton, plan.start.rotations, plan.start.root)[1 - reacher.row]
+    targets = np.zeros((n, 5, 8))
+    row = targets[:, 1 - reacher.row]
+    row[:, :7], row[:, 7] = before, 1.0
+    row[:, :3] += root - plan.start.root
+    return solve(reacher.skeleton, rotations, root, targets)[:, reacher.other]
+
+
+def _touch(plan: Plan, prisms: Sequence[Prism], made: Performed, time: Array) -> float:
+    """How deep, metres, the skin of forearm, hand and fingers is in things on the way; less than 0 where it is not.
+
+    Towards either end it may be as near as it is there.
+    """
+    reacher, skeleton = plan.reacher, plan.reacher.skeleton
+    seen = looking(skeleton, made.rotations, made.root, made.targets[0, GAZE, :3], made.targets[:, GAZE, 7])
+    places, turned = forward(seen, made.root, skeleton.offsets)
+    links = [reacher.links.start + 1, *fingers_of(reacher.side)]
+    ends = places[:, links] + rotate(turned[:, links], skeleton.tips[links])
+    middles = 0.5 * (places[:, links] + ends)
+    gap = clearance(prisms, np.stack([places[:, links], middles, ends])) - skeleton.radii[links]
+    gap = gap.min(axis=0)
+    first, last = np.minimum(gap[0], _AIR), np.minimum(gap[-1], _AIR)
+    least = np.where(time[:, None] < 0.2, first, np.where(time[:, None] > 0.75, last, _AIR))
+    return float((least - gap).max())

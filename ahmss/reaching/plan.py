@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class Plan:
 
     reacher: the arm. standing: None where the hips stay. start, end: postures (43, 4), (3,), the arm as at the start.
     palm (7,): where it comes to. curve: its way. arm: how the arm then is. leant: radians that hips or spine turn.
-    inside: metres by which hand or forearm pass through something on the way: no way round was found.
+    near: what is to be kept clear of.
     """
 
     reacher: Reacher
@@ -53,7 +53,7 @@ class Plan:
     curve: Curve
     arm: Stretch
     leant: float
-    inside: float
+    near: Sequence[Prism]
 
     @property
     def helped(self) -> bool:
@@ -65,6 +65,11 @@ class Plan:
         """How long it takes at ease."""
         turn = _angle(self.curve.start, self.curve.end)
         return reach_time(self.curve.length, turn, self.leant)
+
+    def raised(self, by: float) -> Plan:
+        """The same by a way that is so much higher, metres."""
+        points = self.curve.points + np.array([[0.0], [1.5], [1.0], [0.0]]) * np.array([0.0, 0.0, by])
+        return replace(self, curve=replace(self.curve, points=points))
 
     def trunk(self, time: Array) -> Posture:
         """Hips, spine and root at shares of the time (n); the rest as at the start."""
@@ -137,13 +142,12 @@ class Reaching:
         start = grips(self.skeleton, self.start.rotations, self.start.root)[reacher.row]
         leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
         family = curves(start, palm, self.heading)
-        plan = Plan(reacher, self.standing, self.start, end, palm, family[0], arm, leant, 0.0)
         near = in_the_way(prisms, self.start.root, start[:3], palm[:3])
+        plan = Plan(reacher, self.standing, self.start, end, palm, family[0], arm, leant, near)
         trunk = plan.trunk(np.linspace(0.0, 1.0, _SAMPLES))
         seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
         seats = seat(self.skeleton, seen, trunk.root)
-        curve, inside = clear_curve(reacher, family, seats, self.present(reacher), near)
-        return Plan(reacher, self.standing, self.start, end, palm, curve, arm, leant, inside)
+        return replace(plan, curve=clear_curve(reacher, family, seats, self.present(reacher), near))
 
 
 def _heading(rotations: Array, root: Array) -> float:

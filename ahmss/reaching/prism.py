@@ -21,11 +21,15 @@ _NEAR = 1.5  # metres from a human's middle beyond which nothing is in a hand's 
 
 @dataclass(frozen=True, eq=False)
 class Prism:
-    """An outline (n, 2) in the world, and the heights between which the thing is, metres."""
+    """An outline (n, 2) in the world, and the heights between which the thing is, metres.
+
+    sought: whether it is what is reached for, which fingers come close to.
+    """
 
     ring: Array
     low: float
     high: float
+    sought: bool = False
 
     def signed(self, points: Array) -> Array:
         """The distance (...) of points (..., 3) from it; negative within: how far the way out is."""

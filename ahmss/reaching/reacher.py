@@ -40,6 +40,12 @@ class Reacher:
         return _made(skeleton, side)
 
     @property
+    def other(self) -> slice:
+        """The rows of the other arm."""
+        first = INDEX[f"{SIDES[1 - self.row]}_upper_arm"]
+        return slice(first, first + 3)
+
+    @property
     def length(self) -> float:
         """From shoulder to wrist, metres."""
         return float(self.arm.lengths.sum())

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
+from ahmss.body.arm import hand_angles, with_hand
 from ahmss.body.arm_choice import present_side
-from ahmss.body.arm_swing import swing_of
+from ahmss.body.arm_swing import HAND, limits_of, swing_of
 from ahmss.body.array import Array
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import multiply, rotate
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
@@ -18,14 +21,13 @@ __all__ = ["MARGIN", "gaps"]
 MARGIN = 0.02
 """Metres of air that hand and forearm keep."""
 
-_FOREARM, _HAND = np.linspace(0.0, 1.0, 5)[:-1], np.linspace(0.0, 1.0, 4)
-_RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.035, 0.03, 0.022, 0.014])  # metres, from the elbow to the finger tips
-_TIPS = 1.95  # of the hand's own link: to the tips of the fingers
+_FOREARM = np.linspace(0.0, 1.0, 5)[:, None]
+_RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.034])  # metres, from the elbow to the wrist
 _X = np.array([1.0, 0.0, 0.0])
 
 
 def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Array, prisms: Sequence[Prism]) -> Array:
-    """Metres (..., 8) between the skin of forearm and hand and the nearest thing, negative inside.
+    """Metres (..., 13) between the skin of forearm and hand and the nearest thing, negative inside.
 
     Args:
         reacher: the arm.
@@ -34,13 +36,29 @@ def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Ar
         present: (3, 4) the arm's links now, whose elbow goes along.
         prisms: the things.
     """
-    place, rotation = reacher.hand(palms)
+    place, _ = reacher.hand(palms)
     arm, wrist = reacher.arm, reacher.wrist(palms, spine)
     links = np.broadcast_to(present, (*wrist.place.shape[:-1], 3, 4))
     swing = swing_of(arm, wrist, present_side(arm, links, wrist.place))
-    upper = multiply(spine[1], multiply(arm.rotation, swing.upper))
+    solved = swing.links(np.zeros(swing.bend.shape))
+    low, high = limits_of(arm)[HAND].T
+    solved = with_hand(solved, np.clip(hand_angles(solved), low, high))  # turned as far as the joints allow
+    upper = multiply(spine[1], multiply(arm.rotation, solved[..., 0, :]))
+    rotation = multiply(multiply(upper, solved[..., 1, :]), solved[..., 2, :])
     elbow = reacher.shoulder(spine) + arm.lengths[0] * rotate(upper, _X)
-    along = rotate(rotation, _X) * (_TIPS * reacher.skeleton.tips[reacher.links.stop - 1, 0])
-    forearm = elbow[..., None, :] + _FOREARM[:, None] * (place - elbow)[..., None, :]
-    hand = place[..., None, :] + _HAND[:, None] * along[..., None, :]
-    return clearance(prisms, np.concatenate([forearm, hand], axis=-2)) - _RADII
+    forearm = elbow[..., None, :] + _FOREARM * (place - elbow)[..., None, :]
+    points, radii = _hand(reacher)
+    hand = place[..., None, :] + rotate(rotation[..., None, :], points)
+    return clearance(prisms, np.concatenate([forearm, hand], axis=-2)) - np.concatenate([_RADII, radii])
+
+
+@lru_cache(maxsize=16)
+def _hand(reacher: Reacher) -> tuple[Array, Array]:
+    """Points (8, 3) of an open hand in its own frame, knuckle and tip of each finger, and the skin's radii (8,)."""
+    skeleton, points, radii = reacher.skeleton, [], []
+    for finger in ("index", "middle", "ring", "little"):
+        links = [INDEX[f"{reacher.side}_{finger}_{segment}"] for segment in ("proximal", "intermediate", "distal")]
+        knuckle = skeleton.offsets[links[0]]
+        points += [knuckle, knuckle + skeleton.tips[links].sum(axis=0)]
+        radii += [skeleton.radii[links[0]], skeleton.radii[links[2]]]
+    return np.array(points), np.array(radii)
