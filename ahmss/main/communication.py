@@ -182,8 +182,12 @@ class Communication:
         return pending
 
     def release(self, name: str) -> Pending:
-        """Let an object go."""
-        return self.client.begin(Release(self.human, [name]))
+        """Let an object go; it falls onto what is under it."""
+        pending = self.client.begin(Release(self.human, [name]))
+        if self.lockstep:  # how long it falls is known before the next frame
+            with contextlib.suppress(WorldError):
+                self.client.finish(pending, _PATIENCE)
+        return pending
 
     def set_state(self, name: str, state: str, value: StateValue) -> Pending:
         """Set an object's state."""

@@ -102,7 +102,7 @@ class WorldClient:
         self._own: dict[str, _Own] = {}
         self._closed = False
         self._alone = False
-        self._published = self._completed = 0
+        self._published = self._completed = self._calm = 0  # calm: the frame after which nothing falls
         self._unsent: list[bytes] = []
         self._snapshots: zmq.Socket[bytes] | None = None
         self._snapshot_port = 0
@@ -171,7 +171,7 @@ class WorldClient:
         if moved is not None and len(moved):
             self.world.place_own(moved[:, 0], moved[:, 1:])
         self._unsent.append(data)
-        if not self._alone or len(self._unsent) >= _BUNDLE:
+        if not self._alone or len(self._unsent) >= _BUNDLE or self._published <= self._calm:
             self._send_frames()
         return self._link.is_up
 
@@ -208,13 +208,14 @@ class WorldClient:
     def collect(self, behind: int = 0, timeout: float = 60.0) -> World:
         """Lockstep: wait until the world has completed all but the last `behind` published frames.
 
-        A main alone waits for nobody: with `behind` above 0 it may be as many as 32 frames ahead of the world.
+        A main alone waits for nobody: with `behind` above 0 it may be as many as 32 frames ahead of the world, but
+        while something falls each frame must see the one before.
 
         Raises:
             Unreachable: it has not in `timeout` seconds; another main hangs, or the server is gone.
         """
         limit = time.monotonic() + timeout
-        if self._alone and behind > 0:
+        if self._alone and behind > 0 and self._published > self._calm:
             behind = _AHEAD
         else:
             self._send_frames()
@@ -359,7 +360,7 @@ class WorldClient:
 
     def _greet(self) -> None:
         """At each new connection: who are you, and here are my humans with what they hold."""
-        self._published = self._completed = 0
+        self._published = self._completed = self._calm = 0
         self._unsent.clear()
         self._link.ask(schema.Hello())
         self._rejoin()
@@ -398,6 +399,7 @@ class WorldClient:
                 own.holds.pop(name, None)
                 self._note(f"{request.name} no longer holds {name}: somebody else does, or it is gone")
         elif isinstance(reply, schema.Done):
+            self._calm = max(self._calm, self._published + reply.ticks)
             self._remember(request)
 
     def _remember(self, request: Request) -> None:

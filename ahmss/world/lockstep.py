@@ -140,9 +140,10 @@ class LockstepServer(Server):
     def _tick(self, now: float) -> None:
         """All mains have delivered."""
         self.tick += 1
+        self.space.advance()
         changes = self.space.take_changes()
         self.space.settle()
-        more_comes = changes.is_quiet and self._barrier.is_ahead
+        more_comes = changes.is_quiet and b"" not in changes.moved.values() and self._barrier.is_ahead
         for owner in () if more_comes else self._barrier.owners:
             self.sockets.reply(owner, self.space.ticked(self.tick, owner, changes, self.intake.frames))
         self.intake.frames.clear()

@@ -116,6 +116,7 @@ class RealTimeServer(Server):
         self.tick += 1
         self.flush()
         self.check_leases(now)
+        self.space.advance()
         self.space.settle()
         if self.publisher.is_recording and self.space.revision > 0:  # a recording begins with the first that is there
             self.publisher.write(self.space.snapshot(self.tick, self.tick / self.settings.rate), now)

@@ -260,7 +260,7 @@ class Claim(msgspec.Struct, frozen=True, tag="claim"):
 
 
 class Release(msgspec.Struct, frozen=True, tag="release"):
-    """The human lets these objects go; they rest where they are."""
+    """The human lets these objects go; what hands have held falls and comes to rest on what is under it."""
 
     human: str
     objects: list[str]
@@ -362,9 +362,10 @@ class Welcome(msgspec.Struct, frozen=True, tag="welcome"):
 
 
 class Done(msgspec.Struct, frozen=True, tag="done"):
-    """It was carried out."""
+    """It was carried out. `ticks`: for so many from now on the server itself moves something, as what falls."""
 
     request: int
+    ticks: int = 0
 
 
 class Joined(msgspec.Struct, frozen=True, tag="joined"):

@@ -6,6 +6,8 @@ by the clock; in lockstep (lockstep.py) they wait until every main has spoken, a
 
 from __future__ import annotations
 
+import math
+import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
@@ -95,6 +97,7 @@ class Server(ABC):
         self.missed = 0
         self.is_stopping = False
         self._next_leases = self._next_complaint = 0.0
+        self._back_until = time.monotonic() + settings.lease_s if self.space.things.by_name else math.inf
 
     @abstractmethod
     def run(self) -> None:
@@ -198,6 +201,9 @@ class Server(ABC):
             self.log(f"{_few(left)}: nobody came back, so the human has left the world")
         for whom, number in self.meetings.complete():
             self.sockets.reply(whom, schema.Done(number))
+        if now >= self._back_until:
+            self._back_until = math.inf
+            self.space.let_fall()
 
     # How
 

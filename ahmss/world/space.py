@@ -12,8 +12,10 @@ from ahmss.world import schema
 from ahmss.world.assets import Assets
 from ahmss.world.behaviours import Behaviours
 from ahmss.world.changes import Changes
+from ahmss.world.falls import Falls
 from ahmss.world.people import People, Person
 from ahmss.world.schema import POSE_WIDTH, ObjectChange, Reply, Request, Scene, Snapshot, Ticked
+from ahmss.world.solids import Solids
 from ahmss.world.things import Thing, Things
 
 __all__ = ["Space"]
@@ -32,7 +34,8 @@ class Space:
 
     def __init__(self, assets: Assets, rate: float) -> None:
         self.assets, self.rate = assets, rate
-        self.people, self.things = People(), Things(Behaviours(assets))
+        behaviours = Behaviours(assets)
+        self.people, self.things = People(), Things(behaviours, Falls(Solids(assets, behaviours)))
         self.changes = Changes()
         self.people.changes = self.things.changes = self.changes
         self.revision = 0
@@ -67,6 +70,7 @@ class Space:
             case schema.Release(human=name):
                 self.people.owned(owner, name)
                 self.things.release(name, request.objects)
+                return schema.Done(number, self.things.falls.ticks(self.rate))
             case schema.Transfer():
                 self._transfer(owner, request)
             case schema.SetState():
@@ -105,6 +109,8 @@ class Space:
         for held in join.holds:
             hand = join.hands.get(held.name, "")
             try:
+                if self.things.get(held.name).fell:
+                    raise WorldError(f"{held.name} fell when nobody held it")
                 self.things.claim(join.name, [held.name], hand)
                 self.things.move(owner, {join.name}, [held], layout=False)
             except WorldError:  # the reply says so
@@ -130,6 +136,15 @@ class Space:
         for name in names:
             if name and not self.assets.has(name):
                 raise WorldError(f"the server has no asset {name[:12]}; send it first")
+
+    def advance(self) -> None:
+        """A tick of what moves by itself."""
+        self.things.falls.step(self.things, 1.0 / self.rate)
+
+    def let_fall(self) -> None:
+        """What was held, or was falling, when the server was stopped, and nobody has come back for."""
+        for thing in list(self.things.by_name.values()):
+            self.things.let_fall(thing)
 
     # What others are told
 

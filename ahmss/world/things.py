@@ -15,6 +15,7 @@ from ahmss.states.behaviour import Behaviour
 from ahmss.states.following import follow
 from ahmss.world.behaviours import Behaviours
 from ahmss.world.changes import Changes
+from ahmss.world.falls import Falls
 from ahmss.world.frame import faulty, is_faulty_row
 from ahmss.world.nesting import in_world
 from ahmss.world.poses import Table
@@ -46,6 +47,7 @@ class Thing:
     hand: str = ""
     attached: bool = True
     moved: bool = False
+    fell: bool = False
     children: list[str] = field(default_factory=list[str])
 
 
@@ -61,14 +63,14 @@ class Things:
     What each method does is noted in `changes`, which the space replaces at each tick.
 
     Args:
-        behaviours: how the kinds behave, by the hash that their objects name.
+        behaviours: how the kinds behave, by the hash that their objects name. falls: what falls now.
 
     Every method does all that it is asked or raises WorldError with the reason, having changed nothing.
     """
 
-    def __init__(self, behaviours: Behaviours) -> None:
+    def __init__(self, behaviours: Behaviours, falls: Falls) -> None:
         self.changes = Changes()
-        self.behaviours = behaviours
+        self.behaviours, self.falls = behaviours, falls
         self.by_name: dict[str, Thing] = {}
         self.by_id: dict[int, Thing] = {}
         self.poses = Table(7)
@@ -134,6 +136,7 @@ class Things:
     def drop(self, thing: Thing) -> None:
         """Take one object out, whatever hangs on it."""
         self.poses.remove(thing.id)
+        self.falls.cancel(thing)
         del self.by_name[thing.name], self.by_id[thing.id]
         self.changes.put.pop(thing.name, None)
         self.changes.moved.pop(thing.id, None)
@@ -155,6 +158,7 @@ class Things:
         self.place(owner, things, rows)
         for thing in things:
             thing.moved |= not layout
+            self.falls.cancel(thing)
             self.rest(thing)
 
     def place(self, owner: bytes, things: Sequence[Thing], poses: Array) -> None:
@@ -269,7 +273,8 @@ class Things:
 
     def _hold(self, thing: Thing, human: str, hand: str) -> None:
         """A hand takes a thing off what contained it."""
-        thing.holder, thing.hand = human, hand
+        thing.holder, thing.hand, thing.fell = human, hand, False
+        self.falls.cancel(thing)
         if hand:
             thing.attached = False
         thing.moved = True
@@ -278,6 +283,11 @@ class Things:
     def _let_go(self, thing: Thing) -> None:
         thing.holder = thing.hand = ""
         self.rest(thing)
+        self.let_fall(thing)
+
+    def let_fall(self, thing: Thing) -> None:
+        """It falls, if it was held in a hand and nothing is under it."""
+        self.falls.begin(self, thing, self._carried(thing))
 
     def _carried(self, thing: Thing) -> Iterator[Thing]:
         """All that goes where the thing goes, parents first."""
