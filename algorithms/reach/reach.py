@@ -15,9 +15,12 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.reaching import Looking, goal_of, prisms_of, reach_while_carried, refuse_far, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
+from ahmss.body.quaternion import from_axis_angle
 from ahmss.motion.fingers import opened
 from ahmss.reaching.performing import Fingers, perform
 from ahmss.reaching.plan import Found, Reaching
+
+THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
 
 def reach(task: HumanTask) -> Iterator[Array]:
@@ -49,9 +52,14 @@ def _standing(task: HumanTask) -> Iterator[Array]:
 
 
 def _shape(task: HumanTask, side: str) -> Fingers:
-    """The links of the fingers and their rotations (n, 4) at the end; none where they are to stay."""
+    """The links of the fingers and their rotations (n, 4) at the end; none where they are to stay.
+
+    Round things come between fingers and thumb: that stands out of the palm, so that it passes them.
+    """
     links = list(fingers(side)) if task.parameter("open", True) else []
-    return links, opened(side)[: len(links)]
+    sign = 1.0 if side == "left" else -1.0
+    thumb = from_axis_angle(np.array([[0.0, 0.0, sign], [0.0, 0.0, sign]]), np.array([THUMB, 0.0]))
+    return links, opened(side, thumb if goal_of(task).around is not None else None)[: len(links)]
 
 
 if __name__ == "__main__":

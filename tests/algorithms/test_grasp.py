@@ -30,7 +30,7 @@ def gaps(body: Body, side: str, axis: Transform) -> dict[str, float]:
 @pytest.mark.parametrize(("name", "side"), [("ken", "right"), ("aiko", "right"), ("ken", "left")])
 def test_every_finger_touches_the_wall(name: str, side: str) -> None:
     body = Body(name, y=-0.3, facing=20.0) if side == "left" else Body(name)
-    body.do("slerp", body.start(CUP, "reach", hand=side))
+    body.do("reach", body.start(CUP, "reach", hand=side))
     body.do("grasp", body.start(CUP, "grasp", hand=side))
     for link, gap in gaps(body, side, frame_of(CUP)).items():
         assert abs(gap) < 0.004, link
@@ -40,7 +40,7 @@ def test_every_finger_touches_the_wall(name: str, side: str) -> None:
 
 def test_the_thumb_goes_to_the_other_side() -> None:
     body = Body()
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("reach", body.start(CUP, "reach"))
     body.do("grasp", body.start(CUP, "grasp"))
     places, _ = forward(body.rotations, body.root, body.skeleton.offsets)
     thumb, *others = (
@@ -55,7 +55,7 @@ def test_a_thicker_object_bends_the_fingers_less() -> None:
     bent = {}
     for diameter in (0.05, 0.09):
         body = Body()
-        body.do("slerp", body.start(CUP, "reach"))
+        body.do("reach", body.start(CUP, "reach"))
         body.do("grasp", body.start(CUP, "grasp", parameters={"diameter": diameter}))
         links = [INDEX["right_middle_proximal"], INDEX["right_middle_intermediate"], INDEX["right_middle_distal"]]
         bent[diameter] = float(np.arccos(np.abs(body.rotations[links, 0])).sum())
@@ -70,7 +70,7 @@ def test_it_says_so_when_the_cup_is_out_of_reach() -> None:
 
 def test_opened_fingers_leave_the_wall_before_the_hand_goes() -> None:
     body = Body()
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("reach", body.start(CUP, "reach"))
     body.do("grasp", body.start(CUP, "grasp"))
     before = body.grip().place
     start = body.start(CUP, "release")
@@ -84,7 +84,7 @@ def test_opened_fingers_leave_the_wall_before_the_hand_goes() -> None:
 
 def test_only_the_arm_and_its_fingers_are_cared_for() -> None:
     body = Body()
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("reach", body.start(CUP, "reach"))
     pose = next(iter(frames(program("grasp"), body.start(CUP, "grasp"))))
     for name in ("hips", "left_hand", "right_upper_leg", "left_index_distal"):
         assert pose.importance[INDEX[name]] == 0.0

@@ -87,7 +87,7 @@ def test_the_door_is_closed_from_where_it_stands() -> None:
 
 def grasped(body: Body) -> list[ObjectPose]:
     """The cup, while the hand closes and then goes up by 2 cm a frame and turns."""
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("reach", body.start(CUP, "reach"))
     rows = body.rows(body.do("grasp", body.start(CUP, "grasp")))
     for i in range(1, 21):
         row = rows[29].copy()

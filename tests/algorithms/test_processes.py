@@ -16,7 +16,8 @@ from ahmss.algorithm.process import Answer
 from .scene import CUP, DOOR, FLOOR, WORKSPACE, Body, program
 
 SHIPPED = [
-    ("slerp", CUP, "reach", "human"), ("grasp", CUP, "release", "human"), ("playback", DOOR, "open", "human"),
+    ("slerp", CUP, "lift", "human"), ("reach", CUP, "reach", "human"),
+    ("grasp", CUP, "release", "human"), ("playback", DOOR, "open", "human"),
     ("hold_arm", FLOOR, "stand", "human"), ("door", DOOR, "open", "object"), ("follow_hand", CUP, "grasp", "object"),
     ("stay", "room/chair", "sit", "object"),
 ]  # fmt: skip

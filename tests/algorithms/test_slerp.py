@@ -16,13 +16,15 @@ from ahmss.body.quaternion import norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 
-from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program, record
+from .scene import CUP, FLOOR, ROOT, TELEVISION, Body, frame_of, program, record
+
+REACH = {"motion": str(ROOT / "objectdb" / "cup" / "reach.npz"), "parameters": {"arc": 0.09}, "frames": 60}
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])
 def test_the_palm_arrives_beside_the_cup_at_rest(name: str) -> None:
     body = Body(name)
-    shown = body.do("slerp", body.start(CUP, "reach"))
+    shown = body.do("slerp", body.start(CUP, "reach", **REACH))
     from_axis = body.grip().place - frame_of(CUP).place
     assert 0.05 < np.hypot(*from_axis[:2]) < 0.09
     assert from_axis[2] == pytest.approx(0.052, abs=0.003)
@@ -34,14 +36,14 @@ def test_the_palm_arrives_beside_the_cup_at_rest(name: str) -> None:
 def test_it_begins_where_the_body_is() -> None:
     body = Body()
     grip, root = body.grip().place, body.root
-    first = next(iter(frames(program("slerp"), body.start(CUP, "reach"))))
+    first = next(iter(frames(program("slerp"), body.start(CUP, "reach", **REACH))))
     np.testing.assert_allclose(first.targets[RIGHT_HAND, :3], grip, atol=1e-4)
     np.testing.assert_allclose(first.root, root, atol=1e-4)
 
 
 def test_the_hand_takes_its_time_as_a_hand_does() -> None:
     body = Body()
-    poses = list(frames(program("slerp"), body.start(CUP, "reach")))
+    poses = list(frames(program("slerp"), body.start(CUP, "reach", **REACH)))
     path = np.array([pose.targets[RIGHT_HAND, :3] for pose in poses])
     speed = np.linalg.norm(np.diff(path, axis=0), axis=1)
     assert speed.max() / speed.mean() == pytest.approx(1.875, rel=0.15)
@@ -52,13 +54,13 @@ def test_the_feet_stay_whatever_the_body_does() -> None:
     body = Body("aiko", x=1.0, y=-0.5, facing=70.0)
     before = feet(body.skeleton, body.rotations, body.root)
     ahead = Transform(np.array([1.15, -0.09, 0.88]), np.array([1.0, 0.0, 0.0, 0.0]))
-    for pose in body.do("slerp", body.start(CUP, "reach", frame=ahead)):
+    for pose in body.do("slerp", body.start(CUP, "reach", frame=ahead, **REACH)):
         np.testing.assert_allclose(feet(body.skeleton, pose.rotations, pose.root), before, atol=2e-3)
 
 
 def test_the_left_hand_does_what_the_right_does() -> None:
     body = Body(y=-0.3, facing=20.0)  # the cup before it as before the right hand, seen in a mirror
-    body.do("slerp", body.start(CUP, "reach", hand="left"))
+    body.do("slerp", body.start(CUP, "reach", hand="left", **REACH))
     assert 0.05 < np.hypot(*(body.grip(1).place - frame_of(CUP).place)[:2]) < 0.09
 
 
@@ -74,7 +76,7 @@ def test_the_gaze_is_on_the_screen_from_the_first_frame() -> None:
 
 def test_a_held_cup_is_put_where_it_shall_be() -> None:
     body = Body()
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("slerp", body.start(CUP, "reach", **REACH))
     in_palm = body.grip().inverse().then(frame_of(CUP))
     body.do("slerp", body.start(CUP, "lift", frame=body.grip().then(in_palm)))
     assert body.grip().then(in_palm).place[2] > frame_of(CUP).place[2] + 0.1
@@ -87,7 +89,7 @@ def test_a_held_cup_is_put_where_it_shall_be() -> None:
 @pytest.mark.parametrize("name", ["ken", "aiko"])
 def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
     body = Body(name)
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("slerp", body.start(CUP, "reach", **REACH))
     in_palm = body.grip().inverse().then(frame_of(CUP))
     nearest = 1.0
     for pose in body.do("slerp", body.start(CUP, "drink", frame=body.grip().then(in_palm))):
@@ -103,14 +105,16 @@ def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
 def test_every_frame_is_a_pose() -> None:
     body = Body()
     for action in ("reach", "lift", "drink", "put"):
-        for pose in frames(program("slerp"), body.start(CUP, action, frames=7)):
+        for pose in frames(
+            program("slerp"), body.start(CUP, action, **((REACH if action == "reach" else {}) | {"frames": 7}))
+        ):
             np.testing.assert_allclose(norm(pose.rotations), 1.0, atol=1e-9)
             assert np.isfinite(pose.targets).all()
 
 
 def test_a_cup_is_put_on_top_of_what_has_a_top() -> None:
     body = Body()
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("slerp", body.start(CUP, "reach", **REACH))
     in_palm = body.grip().inverse().then(frame_of(CUP))
     near = Transform(np.array([0.40, -0.10, 0.05]), np.array([1.0, 0.0, 0.0, 0.0]))
     table = record("room/table", near)
@@ -123,7 +127,7 @@ def test_what_is_out_of_reach_is_refused_with_the_missing_length(action: str, x:
     body = Body(x=x)
     goal = Goal(place=(1.2, -0.15, 0.88)) if action == "put" else Goal()
     with pytest.raises(AlgorithmError, match=r"right arm is 0\.\d\d m too short"):
-        next(iter(frames(program("slerp"), body.start(CUP, action, goal=goal))))
+        next(iter(frames(program("slerp"), body.start(CUP, action, goal=goal, **(REACH if action == "reach" else {})))))
 
 
 @pytest.mark.parametrize(
@@ -134,7 +138,7 @@ def test_who_was_not_carried_near_enough_in_time_is_told_once_by_how_much(
 ) -> None:
     """Before the last frame, from where the body is then: it was carried so many metres."""
     body = Body(x=-1.2)
-    performance = Performance(program("slerp"), body.start(CUP, "reach", frames=length, carried=True))
+    performance = Performance(program("slerp"), body.start(CUP, "reach", **(REACH | {"frames": length}), carried=True))
     notes: list[list[str]] = []
     for k in range(1, length + 1):
         present = body.row(k)
@@ -151,6 +155,6 @@ def test_who_was_not_carried_near_enough_in_time_is_told_once_by_how_much(
 
 def test_standing_needs_no_object_to_look_at() -> None:
     body = Body()
-    body.do("slerp", body.start(CUP, "reach"))
+    body.do("slerp", body.start(CUP, "reach", **REACH))
     body.do("slerp", body.start(FLOOR, "stand"))
     assert body.grip().place[2] < 0.85
