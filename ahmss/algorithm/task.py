@@ -18,6 +18,7 @@ from ahmss.algorithm.pose import HumanPose, ObjectPose, block, importance_of, ta
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import ProtocolError
 from ahmss.motion.clip import Clip
@@ -93,6 +94,12 @@ class Task:
     def human(self) -> Skeleton:
         """The acting human's skeleton."""
         return Skeleton.from_record(self.message.human)
+
+    def fingertip(self, hand: str, finger: str = "index") -> Array:
+        """Where the tip of a finger of the `"right"` or `"left"` hand is now, (3,) in the world."""
+        link = INDEX[f"{hand}_{finger}_distal"]
+        places, world = forward(self.present.rotations, self.present.root, self.human.offsets)
+        return places[link] + rotate(world[link], self.human.tips[link])
 
     @cached_property
     def random(self) -> np.random.Generator:

@@ -191,10 +191,14 @@ class Communication:
 
     def set_state(self, name: str, state: str, value: StateValue) -> Pending:
         """Set an object's state."""
+        return self.set_states(name, {state: value})
+
+    def set_states(self, name: str, values: Mapping[str, StateValue]) -> Pending:
+        """Set states of an object in one step, so that what follows from one does not overrule another."""
         if not self.lockstep:
             _, states = self._said.get(name, (0, {}))
-            self._said[name] = (self.frame + _SEEN, {**states, state: value})
-        return self.client.begin(SetState([StateChange(name, state, value)]))
+            self._said[name] = (self.frame + _SEEN, {**states, **values})
+        return self.client.begin(SetState([StateChange(name, state, value) for state, value in values.items()]))
 
     def sync(self, line: str, names: Sequence[str]) -> Pending:
         """Come to a line of the script."""

@@ -371,8 +371,7 @@ class Control:
         except KeyError:
             self._say(f"an algorithm changes the state of object {state.object}, which is not in the world")
             return
-        for name, value in state.states.items():
-            self._communication.set_state(record.name, name, value)
+        self._communication.set_states(record.name, state.states)
 
     # Ends
 
