@@ -14,7 +14,8 @@ from ahmss.body.quaternion import rotate, slerp
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.walking.legs import solve_legs
-from ahmss.walking.shaping import Shaped, Shaping
+from ahmss.walking.shaping import TOUCHING, Shaped, Shaping
+from ahmss.walking.soles import CLEAR, rolled, sole_angles, turned
 
 __all__ = ["Handover"]
 
@@ -33,6 +34,7 @@ class Handover:
 
     def __init__(self, skeleton: Skeleton, before: Shaping | Handover, seam: int, after: Shaping, frames: int) -> None:
         self._skeleton, self._seam, self._after = skeleton, seam, after
+        self._soles = np.stack([skeleton.soles, skeleton.soles * _MIRROR])
         self._mixed = min(frames, before.frames - seam, after.frames)
         self._before: Shaping | Handover | None = before
         self._share = minimum_jerk(np.arange(self._mixed) / frames)
@@ -69,18 +71,23 @@ class Handover:
         root[part] = _mixed(old.root, root[part], share)
         feet[part] = slerp(old.feet, feet[part], share[:, None])
         ankles[part] = _mixed(old.ankles, ankles[part], share)
-        ankles[part, :, 2] += _sunk(self._skeleton, ankles[part], feet[part])
+        # Whoever's share is greater says whether a foot stands: mixed, one that stands and one that is off would drag.
+        stands = np.where((share < 0.5)[:, None], old.bearing.any(axis=-1), new.bearing[part].any(axis=-1))
+        bearing = new.bearing.copy()
+        for foot, prints in enumerate(new.footprints):
+            place, heading = prints.at(first)
+            own = slice(None), foot
+            yaw, pitch = sole_angles(feet[part][own])
+            on = stands[:, foot]
+            ankles[part][own][on] = rolled(place, heading, yaw, pitch, self._soles[foot])[on]
+            feet[part][own][on] = turned(yaw, pitch)[on]
+        lowest = (ankles[part, :, None] + rotate(feet[part, :, None], self._soles))[..., 2]
+        ankles[part, :, 2] += np.maximum(np.where(stands, 0.0, CLEAR) - lowest.min(axis=-1), 0.0)
+        bearing[part] = stands[..., None] & (lowest < TOUCHING)
         solve_legs(self._skeleton, rotations[part], root[part], ankles[part], feet[part])
-        return Shaped(rotations, root, ankles, feet, new.bearing, new.footprints)
+        return Shaped(rotations, root, ankles, feet, bearing, new.footprints)
 
 
 def _mixed(old: Array, new: Array, share: Array) -> Array:
     share = share.reshape(-1, *[1] * (old.ndim - 1))
     return (1.0 - share) * old + share * new
-
-
-def _sunk(skeleton: Skeleton, ankles: Array, feet: Array) -> Array:
-    """How far soles (F, 2) are below the floor, metres."""
-    soles = np.stack([skeleton.soles, skeleton.soles * _MIRROR])
-    lowest = (ankles[:, :, None] + rotate(feet[:, :, None], soles))[..., 2].min(axis=-1)
-    return np.maximum(-lowest, 0.0)

@@ -27,10 +27,10 @@ from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
 from ahmss.walking.treading import Ends, Footprints, Seen, Tread
 
-__all__ = ["Ends", "Footprints", "Line", "Shaped", "Shaping", "shape"]
+__all__ = ["TOUCHING", "Ends", "Footprints", "Line", "Shaped", "Shaping", "shape"]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_TOUCHING = 3e-4  # metres
+TOUCHING = 3e-4  # metres
 _STRETCH = 0.9988  # of a leg's length that a leg may have; the clips keep to a little less
 _AROUND, _SIGMA = 6, 3.0  # frames before and after in which the hips come down for a leg, and how this is smoothed
 _COVERED = float(erf((_AROUND + 0.5) / (_SIGMA * np.sqrt(2.0))))  # of a frame's need, after smoothing
@@ -151,7 +151,7 @@ def shape(skeleton: Skeleton, nominal: Nominal, line: Line, ends: Ends, standing
 def _bearing(skeleton: Skeleton, ankles: Array, feet: Array) -> NDArray[np.bool_]:
     """Which points of the soles touch the floor (F, 2, 3)."""
     soles = np.stack([skeleton.soles, skeleton.soles * (1.0, -1.0, 1.0)])
-    return (ankles[:, :, None] + rotate(feet[:, :, None], soles))[..., 2] < _TOUCHING
+    return (ankles[:, :, None] + rotate(feet[:, :, None], soles))[..., 2] < TOUCHING
 
 
 def _turning(nominal: Nominal, line: Line, frames: Array) -> Array:

@@ -11,21 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.contact import runs
 from ahmss.motion.easing import minimum_jerk
 from ahmss.walking.legs import foot_frames
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
+from ahmss.walking.soles import FLAT, clearance, rolled, sole_angles, turned
 
-__all__ = ["Ends", "Footprints", "Seen", "Tread", "sole_angles"]
+__all__ = ["Ends", "Footprints", "Seen", "Tread"]
 
-_UP, _LEFT, _FORWARD = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+_UP = np.array([0.0, 0.0, 1.0])
 _PIVOTING = np.radians(12.0)  # a foot that turns by more while it bears pivots; by less, it errs
 _LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
 _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is lifted instead
-_FLAT = 1e-6
 _LEVEL = np.radians(0.5)
 
 
@@ -51,12 +51,6 @@ class Footprints:
         """The one at a frame, or before it where the foot is in the air."""
         i = int(np.searchsorted(self.since, frame, side="right")) - 1
         return self.places[i], float(self.headings[i])
-
-
-def sole_angles(feet: Array) -> tuple[Array, Array]:
-    """Heading without jumps and pitch (toes up), both (F, ...), of feet (F, ..., 4)."""
-    ahead = rotate(feet, _FORWARD)
-    return np.unwrap(np.arctan2(ahead[..., 1], ahead[..., 0]), axis=0), np.arcsin(np.clip(ahead[..., 2], -1.0, 1.0))
 
 
 class Seen:
@@ -207,13 +201,13 @@ class Tread:
         fixed = yaw - loose
         yaw = np.where(bears, yaw, loose + (1.0 - share) * fixed[lift] + share * fixed[land])
         heading = yaw + (1.0 - share) * turn[before] + share * turn[after]
-        feet = _turned(heading, tilted)
+        feet = turned(heading, tilted)
 
         height = -soles[0, 2]
         level = height * np.cos(tilted) + own * (ankle[:, 2] - height * np.cos(pitch))
         level += (1.0 - own) * _LIFTED * 64.0 * (u * (1.0 - u)) ** 3
         nominal = ankle.copy()
-        exact = _rolled(stances.place, stances.heading, before, yaw, pitch, soles)
+        exact = rolled(stances.place[before], stances.heading[before], yaw, pitch, soles)
         nominal[bears, :2] = exact[bears, :2]
         swings = ~bears
         for at, weight in ((lift, 1.0 - share), (land, share)):
@@ -222,7 +216,7 @@ class Tread:
         out = np.empty_like(ankle)
         out[:, :2] = (1.0 - share)[:, None] * low + share[:, None] * high
         out[:, 2] = level
-        standing = _rolled(stances.to, stances.to_heading, before, heading, tilted, soles)
+        standing = rolled(stances.to[before], stances.to_heading[before], heading, tilted, soles)
         # A foot that rolls less than in the clip leaves and lands a little elsewhere: spread over the swing, too.
         spread = np.zeros_like(ankle)
         for at, weight in ((lift, 1.0 - share), (land, share)):
@@ -230,7 +224,7 @@ class Tread:
         out += spread
         out[bears] = standing[bears]
         sunk = -(out[:, None] + rotate(feet[:, None], soles))[..., 2].min(axis=-1)
-        out[:, 2] += np.maximum(sunk, 0.0)
+        out[:, 2] += np.maximum(sunk, 0.0) + np.where(bears, 0.0, clearance(u, 1.0 / np.maximum(land - lift, 1)))
         return out, feet
 
 
@@ -257,8 +251,8 @@ def _stand(stances: _Stances, new: slice, ankle: Array, yaw: Array, pitch: Array
         if not _pivots(yaw[a:b], pitch[a:b]):
             yaw[a:b] = yaw[at]
         seen[i - new.start] = at
-    q = _turned(yaw[seen], pitch[seen])
-    point = np.where((pitch[seen] > _FLAT)[:, None], soles[0], soles[2])
+    q = turned(yaw[seen], pitch[seen])
+    point = np.where((pitch[seen] > FLAT)[:, None], soles[0], soles[2])
     contact = ankle[seen] + rotate(q, point)
     flat_at = contact - rotate(from_axis_angle(_UP, yaw[seen]), point)
     stances.place[new], stances.heading[new] = flat_at[:, :2], yaw[seen]
@@ -271,23 +265,8 @@ def _pivots(yaw: Array, pitch: Array) -> bool:
     return float(by[raised].sum()) > _PIVOTING and float(by[~raised].sum()) < _PIVOTING
 
 
-def _rolled(place: Array, heading: Array, which: NDArray[np.intp], yaw: Array, pitch: Array, soles: Array) -> Array:
-    """The ankle (F, 3) of a foot that bears, turned about its heel while its toes are up, else about its toes."""
-    flat = np.concatenate([place[which], np.full((len(which), 1), -soles[0, 2])], axis=1)
-    toe = flat + rotate(from_axis_angle(_UP, heading[which]), soles[2])
-    heel = toe - rotate(from_axis_angle(_UP, yaw), soles[2] - soles[0])
-    q = _turned(yaw, pitch)
-    on_heel = (pitch > _FLAT)[:, None]
-    return np.where(on_heel, heel - rotate(q, soles[0]), toe - rotate(q, soles[2]))
-
-
 def _moved(nominal: Array, stances: _Stances, turn: Array, which: NDArray[np.intp]) -> Array:
     """Places (F, 2) as the footstep `which` (F,) brings them from where it is in the clip to where it shall be."""
     cos, sin = np.cos(turn[which]), np.sin(turn[which])
     d = nominal[:, :2] - stances.place[which]
     return stances.to[which] + np.stack([cos * d[:, 0] - sin * d[:, 1], sin * d[:, 0] + cos * d[:, 1]], axis=-1)
-
-
-def _turned(yaw: Array, pitch: Array) -> Array:
-    """Rotations (..., 4) of feet with a heading and a pitch."""
-    return multiply(from_axis_angle(_UP, yaw), from_axis_angle(_LEFT, -pitch))

@@ -13,7 +13,7 @@ from scipy.signal import butter, sosfiltfilt
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import rotate
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.database import Workspace
 from ahmss.main.stance import standing
@@ -37,7 +37,7 @@ JERK_MAX = 15_000.0  # rad/s3
 # The straight walk of ../shared/mocap (B03_Walk1) brought to 60 Hz: its largest pop, and the hips' acceleration.
 POP, HIPS_ACCELERATION = 6.0, 24.0  # degrees, m/s2
 
-_TOUCHING, _LOW = 1e-4, 0.04  # metres over the floor
+_TOUCHING, _NEAR, _LOW = 1e-4, 0.002, 0.04  # metres over the floor
 
 
 @cache
@@ -286,6 +286,21 @@ def scuffed(walk: Walk) -> float:
                 way = soles[first:end, foot, point, :2] - soles[first, foot, point, :2]
                 furthest = max(furthest, float(np.linalg.norm(way, axis=-1).max()))
     return furthest
+
+
+def slid(walk: Walk) -> Array:
+    """How far points (F - 1, 2, 3) go between two frames if near the floor in both, whatever the flags: metres."""
+    soles = foot_points(walk.skeleton, walk.rotations, walk.root)
+    near = soles[..., 2] < _NEAR
+    return np.linalg.norm(np.diff(soles[..., :2], axis=0), axis=-1) * (near[1:] & near[:-1])
+
+
+def beyond(walk: Walk, links: list[int]) -> Array:
+    """By how much joints (F, n) are turned beyond their limits, from upright: degrees."""
+    upright, _ = walk.skeleton.upright()
+    angles = to_rotation_vector(multiply(conjugate(upright[links]), walk.rotations[:, links]))
+    low, high = np.moveaxis(walk.skeleton.limits[links], -1, 0)
+    return np.degrees(np.maximum(np.maximum(low - angles, angles - high), 0.0).max(axis=-1))
 
 
 def crossed(walk: Walk) -> int:

@@ -62,6 +62,20 @@ def test_nothing_changes_suddenly(length: float, towards: float, slow: float, se
     np.testing.assert_allclose(root[-1, :2], new.line.course.points[-1], atol=0.01)
 
 
+@pytest.mark.parametrize("frames", [0, 500])
+@pytest.mark.parametrize("seam", [1, 2])
+@pytest.mark.parametrize(("length", "towards", "slow"), [(4.0, 0.8, 1.0), (0.5, 0.0, 1.0), (3.0, 0.0, 0.7)])
+def test_a_foot_that_touches_stands(length: float, towards: float, slow: float, seam: int, frames: int) -> None:
+    going = walk(frames)
+    stride = stride_at(going, seam)
+    made, _ = both(going, seam, ahead(stride.place, stride.heading, length, towards), stride.rate, slow)
+    assert m.slid(made).max() < 0.001
+    assert m.drift(made) < 0.001
+    assert m.sunk(made) < 1e-4
+    assert m.missed(made) < 1e-6
+    assert m.supported(made) == 1.0
+
+
 @pytest.mark.parametrize("seam", [1, 2, 3])
 @pytest.mark.parametrize("slow", [0.67, 0.71, 0.8, 0.93])
 def test_whose_turn_it_is_is_known_at_any_pace(slow: float, seam: int) -> None:
