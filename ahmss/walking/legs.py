@@ -6,17 +6,24 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, from_matrix, multiply, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.easing import minimum_jerk
 
 __all__ = ["foot_frames", "hip_joints", "reach", "solve_legs"]
 
 _UPPER = [INDEX["right_upper_leg"], INDEX["left_upper_leg"]]
 _LOWER = [INDEX["right_lower_leg"], INDEX["left_lower_leg"]]
 _FOOT = [INDEX["right_foot"], INDEX["left_foot"]]
-_AHEAD = np.array([0.0, 0.0, -1.0])  # of the hips' frame
-_WITH_FOOT = 1.6  # how much more the knee goes with the foot than with the pelvis: ankles turn less than hips do
-_FORWARD = np.array([1.0, 0.0, 0.0])  # of a foot's
+# Ahead and down the leg, upright: in the hips' frame and in a foot's.
+_HIPS_AHEAD, _HIPS_DOWN = np.array([0.0, 0.0, -1.0]), np.array([-1.0, 0.0, 0.0])
+_FOOT_AHEAD, _FOOT_DOWN = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0])
+_ALONG = np.array([1.0, 0.0, 0.0])  # a link's bone
+_BY_HIP = 0.615  # of a foot's turn against the pelvis: the hip's share, the ankle's is the rest, as their limits are
+_RAISED = 0.9  # how much more it is, times the square of its pitch's sine: a foot on its toes has no turn to spare
+_HIP_MOST = np.radians(57.0)  # what a hip turns for that, its limit and a little: beyond, both share again
+_BY_KNEE = np.radians(9.8)  # the most that the shank turns in the knee, where a foot is turned by much
+_MUCH = np.radians(25.0), np.radians(75.0)  # from where on, and where the shank is turned as far as it turns
 
 
 def reach(skeleton: Skeleton) -> float:
@@ -42,7 +49,8 @@ def foot_frames(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Arra
 def solve_legs(skeleton: Skeleton, rotations: Array, root: Array, ankles: Array, feet: Array) -> None:
     """Set both legs of poses so that the feet are where they shall be; a leg too short points at its foot.
 
-    The knee lies in the plane through hip joint, ankle and a direction between those of the pelvis and the foot.
+    A foot turned against the pelvis about the line from hip joint to ankle is turned partly in the hip, with which the
+    knee goes, partly in the ankle, and where that is much a little in the knee: none is beyond its limits for another.
 
     Args:
         skeleton: the human's measures.
@@ -58,25 +66,35 @@ def solve_legs(skeleton: Skeleton, rotations: Array, root: Array, ankles: Array,
     length = np.linalg.norm(line, axis=-1, keepdims=True)
     down = line / length
     length = np.clip(length, abs(thigh - shank) + 1e-6, thigh + shank)
-    facing = _level(rotate(q_hips, _AHEAD)) + _WITH_FOOT * _level(rotate(feet, _FORWARD))
-    left = np.cross(-down, facing)
-    left /= np.linalg.norm(left, axis=-1, keepdims=True)
-    forward = np.cross(left, -down)
+    unturned = _carried(rotate(q_hips, _HIPS_AHEAD), rotate(q_hips, _HIPS_DOWN), down)
+    wanted = _carried(rotate(feet, _FOOT_AHEAD), rotate(feet, _FOOT_DOWN), down)
+    aside = np.cross(unturned, down)  # to the left
+    turn = np.arctan2((aside * wanted).sum(axis=-1), (unturned * wanted).sum(axis=-1))
+    by_knee = np.sign(turn) * _BY_KNEE * minimum_jerk((np.abs(turn) - _MUCH[0]) / (_MUCH[1] - _MUCH[0]))
+    pitch = np.minimum(rotate(feet, _FOOT_AHEAD)[..., 2], 0.0)
+    rest = np.abs(turn - by_knee)
+    left_over = np.maximum(_HIP_MOST - _BY_HIP * rest, 0.0)
+    more = _RAISED * pitch**2 * rest
+    more *= left_over / np.maximum((left_over**2 + more**2) ** 0.5, 1e-9)
+    by_hip = (np.sign(turn) * (_BY_HIP * rest + more))[..., None]
+    forward = np.cos(by_hip) * unturned + np.sin(by_hip) * aside
+    left = np.cross(forward, down)
     cosine = np.clip((thigh**2 + length**2 - shank**2) / (2.0 * thigh * length), -1.0, 1.0)
     sine = np.sqrt(1.0 - cosine**2)
     knee = thigh * (cosine * down + sine * forward)
     upper = knee / thigh
     lower = (length * down - knee) / shank
-    q_upper, q_lower = _frame(upper, left), _frame(lower, left)
+    q_upper = _frame(upper, left)
+    q_lower = multiply(_frame(lower, left), from_axis_angle(_ALONG, -by_knee))
     rotations[:, _UPPER] = multiply(conjugate(q_hips), q_upper)
     rotations[:, _LOWER] = multiply(conjugate(q_upper), q_lower)
     rotations[:, _FOOT] = multiply(conjugate(q_lower), feet)
 
 
-def _level(v: Array) -> Array:
-    """Directions (..., 3) laid level, of length 1."""
-    flat = v * np.array([1.0, 1.0, 0.0])
-    return flat / np.maximum(np.linalg.norm(flat, axis=-1, keepdims=True), 1e-9)
+def _carried(v: Array, since: Array, to: Array) -> Array:
+    """Directions v (..., 3) across `since`, turned by the smallest turn from there to `to`; all of length 1."""
+    share = (v * to).sum(axis=-1, keepdims=True) / (1.0 + (since * to).sum(axis=-1, keepdims=True))
+    return v - share * (since + to)
 
 
 def _frame(along: Array, left: Array) -> Array:

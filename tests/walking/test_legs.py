@@ -8,7 +8,7 @@ import pytest
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import from_axis_angle, multiply, norm, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, norm, rotate, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.walking.legs import foot_frames, hip_joints, reach, solve_legs
 
@@ -119,3 +119,41 @@ def test_the_knee_goes_with_the_foot_as_the_foot_turns() -> None:
     assert (np.diff(np.array(sides), axis=0) > 0.0).all()  # the foot turned to the left: the knee further left
     thigh = forward(rotations, root, HUMAN.offsets)[1][:, INDEX["right_upper_leg"]]
     assert rotate(thigh, np.array([1.0, 0.0, 0.0]))[0, 2] < 0.0
+
+
+def turned_feet(degrees: float, knees: float = 0.06) -> Array:
+    """Angles (15, 3) from upright, degrees, of who stands with both feet turned to the left against the pelvis."""
+    upright, root = HUMAN.upright()
+    places, world = forward(upright, root, HUMAN.offsets)
+    rotations = upright[None].copy()
+    turn = from_axis_angle(UP, np.radians(degrees))
+    solve_legs(HUMAN, rotations, root[None] - [0.0, 0.0, knees], places[None, FEET], multiply(turn, world[None, FEET]))
+    return np.degrees(to_rotation_vector(multiply(conjugate(upright), rotations[0])))[:15]
+
+
+HIP, KNEE, ANKLE = (INDEX[f"left_{link}"] for link in ("upper_leg", "lower_leg", "foot"))
+
+
+@pytest.mark.parametrize("degrees", [-90.0, 90.0])
+def test_a_foot_turned_by_much_is_turned_in_all_joints_of_the_leg(degrees: float) -> None:
+    """Their limits are 45, 10 and 25 degrees: of 90 each is beyond by about as much."""
+    angles, sign = turned_feet(degrees), np.sign(degrees)
+    hip, knee, ankle = -sign * angles[HIP, 0], -sign * angles[KNEE, 0], sign * angles[ANKLE, 2]
+    assert 42.0 < hip < 52.0
+    assert 8.0 < knee < 10.0
+    assert 20.0 < ankle < 33.0
+
+
+def test_a_foot_turned_by_little_leaves_the_knee_a_hinge() -> None:
+    angles = turned_feet(20.0)
+    assert np.abs(angles[KNEE, [0, 2]]).max() < 1e-6
+    assert angles[KNEE, 1] > 10.0
+    assert angles[HIP, 0] == pytest.approx(-12.3, abs=1.5)
+
+
+def test_the_further_a_foot_is_turned_the_further_each_joint() -> None:
+    degrees = np.arange(0.0, 121.0, 1.0)
+    angles = np.array([turned_feet(float(turn)) for turn in degrees])
+    for by in (-np.diff(angles[:, HIP, 0]), -np.diff(angles[:, KNEE, 0]), np.diff(angles[:, ANKLE, 2])):
+        assert by.min() > -0.05
+        assert by.max() < 1.2
