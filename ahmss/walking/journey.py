@@ -23,12 +23,12 @@ from ahmss.walking.selection import Selection, bins, candidates, measured, selec
 from ahmss.walking.shaping import Shaped, Shaping
 from ahmss.walking.treading import Ends
 
-__all__ = ["SPOT", "Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stride_at"]
+__all__ = ["SPOT", "Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stands_at", "stride_at"]
 
 _FORWARD = np.array([1.0, 0.0, 0.0])
 _MIRROR = np.array([1.0, -1.0, 1.0])
 SPOT = 0.02  # metres: who goes less far turns on the spot
-_SAME_SIZE = 0.01  # by which one walks at the clips' own pace; who is smaller makes quicker steps
+_THERE, _FACING = 0.015, np.radians(1.0)  # metres, radians: feet so near to where they shall be stay where they are
 _SLOWEST, _FASTEST = 0.66, 1.4  # of the clips' cadence, that people still walk at
 _TAKEN_OVER = 30  # frames of the clips in which a new walk takes over; the foot that swings lands after 34
 _EASED, _HELD = 30, 120  # frames in which who makes way changes the cadence, and for which it is kept
@@ -78,6 +78,19 @@ def footing(skeleton: Skeleton, rotations: Array, root: Array, standing: Standin
     back = -float(standing.ankles[:, 0].mean())
     place = frames[:, :2].mean(axis=0) + back * np.array([np.cos(heading), np.sin(heading)])
     return Footing(frames[:, :2], headings, place, heading)
+
+
+def stands_at(standing: Standing, now: Footing, place: Array, facing: float | None) -> bool:
+    """Whether both feet are where they shall be already.
+
+    Args:
+        standing: how the walker stands.
+        now: its footing.
+        place: (2,) the goal, metres. facing: the heading there, radians; None: any.
+    """
+    ankles, headings = _stood(standing, place, now.heading if facing is None else facing)
+    off = np.abs((headings - now.headings + np.pi) % (2.0 * np.pi) - np.pi)
+    return bool(np.linalg.norm(ankles - now.ankles, axis=-1).max() < _THERE and off.max() < _FACING)
 
 
 @dataclass(frozen=True)
@@ -134,12 +147,11 @@ def journey(
     lengths = measured(candidates(d, f), lambda key: scale * length_of(clip_of(library, key)))
     chosen = select(lengths, max(way.length, 1e-4))
     nominal = join(woven(library, d, f, chosen, mirror=mirror), scale)
-    clips = len(nominal.root) - 1
-    natural = clips if abs(scale - 1.0) < _SAME_SIZE else round(clips * float(np.sqrt(scale)))  # Froude
+    natural = len(nominal.root) - 1
     fewest, most = int(np.ceil(natural / _FASTEST)), int(natural / _SLOWEST)
     count = int(np.clip(frames, fewest, most)) if frames else natural
     x = nominal.root[list(nominal.seams), 0]
-    nominal, rates = _at_times(nominal, np.linspace(0.0, clips, count + 1))
+    nominal, rates = _at_times(nominal, np.linspace(0.0, natural, count + 1))
     sign = -1.0 if mirror else 1.0
     one = len(x) == 2
     line = Line(

@@ -15,7 +15,10 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS
 from ahmss.errors import AlgorithmError
+from ahmss.motion.planting import feet
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, facing_of
+from ahmss.walking.journey import Standing, footing, stands_at
+from ahmss.walking.library import BODY, Library
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 FEET = slice(2, 4)
@@ -23,6 +26,7 @@ CARES = {"hips": 1.0, "upper_leg": 1.0, "lower_leg": 1.0, "foot": 1.0, "spine": 
 CARES |= {"upper_arm": 0.15, "lower_arm": 0.15, "hand": 0.15}
 MISSED = 3  # frames for which who moves may not have been seen
 LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
+UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else one bends or leans
 
 
 def walk(task: HumanTask) -> Iterator[Array]:
@@ -34,6 +38,10 @@ def walk(task: HumanTask) -> Iterator[Array]:
     ground = _ground(task)
     goal = _goal(task, ground)
     check_distance(goal.place, task.start.root[:2])
+    if _stands_there(task, task.library, goal):
+        task.note("one stands there already, so no step is taken")
+        yield _stays(task)
+        return
     trip = Trip(
         task.human, task.library, ground, goal.place, goal.facing, task.length, partial(_others, task),
         task.note,
@@ -67,6 +75,23 @@ def _goal(task: HumanTask, ground: Ground) -> Goal:
     if facing is None:
         raise AlgorithmError("where to? add `to X Y`, `to` and an object, or `facing` and degrees to turn on the spot")
     return Goal(root, facing)
+
+
+def _stands_there(task: HumanTask, library: Library, goal: Goal) -> bool:
+    """Whether the human stands upright where it shall, its feet too."""
+    standing = Standing.of(task.human, library)
+    root = task.start.root
+    now = footing(task.human, task.start.rotations, root, standing)
+    over = np.linalg.norm(root - [*now.place, standing.height])
+    return bool(over < UPRIGHT) and stands_at(standing, now, goal.place, goal.facing)
+
+
+def _stays(task: HumanTask) -> Array:
+    """POSE rows (n, 260) of standing as one does: as many as were asked for, else two."""
+    n = task.length or 2
+    frames = feet(task.human, task.start.rotations, task.start.root)
+    rows = [task.start.rotations[:BODY], task.start.root, frames[:, :3], frames[:, 3:]]
+    return _rows(task, Piece(*(np.repeat(row[None], n, axis=0) for row in rows)))
 
 
 def _others(task: HumanTask) -> Sequence[Walker]:

@@ -230,6 +230,46 @@ def test_too_many_frames_for_a_turn_are_told_of_the_turn() -> None:
     assert notes == [f"2000 frames are too many for a turn on the spot; it takes {taken}"]
 
 
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(
+    "goal", [Goal(facing=float(np.radians(20.0))), to(*FROM), to(*FROM, 20.0)], ids=["turn", "walk", "walk and turn"]
+)
+def test_who_is_there_already_takes_no_step_and_says_so(goal: Goal, name: str) -> None:
+    body = Body(name, *FROM, facing=20.0)
+    taken, notes = heard(start(body, goal))
+    assert taken <= 2
+    assert notes == ["one stands there already, so no step is taken"]
+    for pose in walked(body, start(body, goal)):
+        np.testing.assert_allclose(pose.root, body.root, atol=1e-9)
+        np.testing.assert_allclose(pose.rotations[:15], body.rotations[:15], atol=1e-9)
+        np.testing.assert_allclose(pose.targets[FEET, :7], feet(body.skeleton, body.rotations, body.root), atol=1e-9)
+
+
+def test_who_has_walked_there_is_there() -> None:
+    body = Body("aiko", *FROM, facing=30.0)
+    message = start(body, to(-0.2, -2.0, -120.0))
+    body.do("walk", message)
+    assert heard(start(body, to(-0.2, -2.0, -120.0)))[0] <= 2
+    assert heard(start(body, Goal(facing=float(np.radians(-120.0)))))[0] <= 2
+
+
+def test_who_stays_does_so_for_the_frames_asked_for() -> None:
+    assert heard(start(Body("ken", *FROM), to(*FROM), frames=90))[0] == 90
+
+
+@pytest.mark.parametrize("goal", [to(FROM[0] + 0.03, FROM[1]), to(*FROM, 3.0)], ids=["aside", "turned"])
+def test_who_is_not_quite_there_steps(goal: Goal) -> None:
+    taken, notes = heard(start(Body("ken", *FROM), goal))
+    assert taken > 60
+    assert not notes
+
+
+def test_who_bends_where_they_are_to_be_straightens_up() -> None:
+    body = Body("ken", *FROM)
+    body.root = body.root - np.array([0.0, 0.0, 0.1])
+    assert heard(start(body, to(*FROM)))[0] > 60
+
+
 @pytest.mark.parametrize(("x", "said"), [(1e9, "1e+06 km away"), (-2003.0, "2.002 km away")])
 def test_what_is_further_than_one_walks_at_once_is_refused(x: float, said: str) -> None:
     body = Body("ken", *FROM)

@@ -23,14 +23,14 @@ from .gaitfigures import Figures, figures
 from .measures import HUMANS, Goal
 
 RANGES: dict[str, tuple[float, float]] = {
-    "cadence": (96.0, 114.0),  # A 96, B 110 to 111; aiko's 113.8 is above both: she is small, ken's is 109.1
+    "cadence": (96.0, 111.0),  # A 96, B 110 to 111
     "speed": (1.0, 1.35),
     "step_per_leg": (0.68, 0.78),  # A 0.72, B 0.74 to 0.76
     "width": (0.04, 0.10),  # A 0.07, B 0.01 and 0.08, published 0.08 to 0.10
     "stance": (60.0, 67.0),
     "double": (10.0, 17.0),
     "strike": (18.0, 28.0),  # A 23, B 26, W 24
-    "toe_off": (-70.0, -45.0),  # A -53, B -64, W -70
+    "toe_off": (-70.0, -50.0),  # A -53, B -64, W -70
     "clearance": (0.008, 0.025),  # 11 to 20 mm, published 11 +- 6
     "rotation": (9.0, 18.0),
     "list": (7.5, 11.0),
@@ -42,7 +42,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "arm": (30.0, 52.0),  # published 30 to 40, A 42, B 40 to 55
     "knee_swing": (55.0, 64.0),  # measured 55 to 59; a foot without toes leaves with its ankle higher
     "knee_loading": (14.0, 22.0),  # published 15 to 20, A 16
-    "knee_landing": (0.0, 15.0),  # people 0 to 5: for the same reason the hips are lower when both feet stand
+    "knee_landing": (0.0, 13.5),  # people 0 to 5: for the same reason the hips are lower when both feet stand
 }
 
 
@@ -120,19 +120,33 @@ def test_left_and_right_do_the_same(name: str) -> None:
     first, second = made.seams[4:6]
     step = second - first
     here, there = walk.root[first : first + step, 2], walk.root[first + step : first + 2 * step, 2]
-    whole = name == m.library().human  # another's step is no whole number of frames
-    np.testing.assert_allclose(here, there, atol=1e-4 if whole else 5e-3)
+    np.testing.assert_allclose(here, there, atol=1e-4)
     knees = m.knee_flexion(walk)
-    np.testing.assert_allclose(knees[first:second, 0], knees[second : second + step, 1], atol=0.1 if whole else 9.0)
+    np.testing.assert_allclose(knees[first:second, 0], knees[second : second + step, 1], atol=0.1)
 
 
 @pytest.mark.parametrize("name", HUMANS)
 def test_the_head_is_steadier_than_the_pelvis(name: str) -> None:
     """Yaw 2.5 to 11 degrees, pitch 2 to 4, peak to peak."""
     found = measured(name)
-    assert np.ptp(found.curves["head"]) < 11.0
-    assert np.ptp(found.curves["nod"]) < 4.5
+    assert 2.0 < np.ptp(found.curves["head"]) < 11.0
+    assert 1.5 < np.ptp(found.curves["nod"]) < 4.5
     assert np.ptp(found.curves["head"]) < np.ptp(found.curves["rotation"])
+
+
+@pytest.mark.parametrize("name", HUMANS)
+def test_the_head_keeps_to_a_place_ahead(name: str) -> None:
+    """The higher the body, the lower it looks; the further to the right, the more it turns to the left."""
+    curves = measured(name).curves
+    assert np.corrcoef(curves["nod"], curves["vertical"])[0, 1] > 0.9
+    assert np.corrcoef(curves["head"], curves["lateral"])[0, 1] < -0.9  # both are positive to the right
+
+
+@pytest.mark.parametrize("name", HUMANS)
+def test_a_leg_that_pushes_off_comes_forward_without_a_halt(name: str) -> None:
+    """The knee bends more and more from the heel's rise to the middle of the swing."""
+    knee = measured(name).curves["knee"]
+    assert np.diff(knee[50:72]).min() > 0.0
 
 
 @pytest.mark.parametrize("share", [0.75, 1.3])

@@ -79,6 +79,11 @@ def nothing_slides_on_the_floor(walk: Walk, _: Goal) -> str:
     return f"a point goes {1e3 * way:.0f} mm over the floor while it touches it" if way > 0.02 else ""
 
 
+def what_is_near_the_floor_stands(walk: Walk, _: Goal) -> str:
+    way = float(m.slid(walk).max())
+    return f"a point within 2 mm of the floor goes {1e3 * way:.1f} mm in a frame" if way > 0.001 else ""
+
+
 def nothing_sinks(walk: Walk, _: Goal) -> str:
     sunk = m.sunk(walk)
     return f"{1e3 * sunk:.2f} mm under the floor" if sunk > 0.003 else ""
@@ -132,9 +137,9 @@ def goes_as_fast_as_people(walk: Walk, goal: Goal) -> str:
 Check = Callable[[Walk, Goal], str]
 CHECKS: tuple[Check, ...] = (
     arrives, arrives_on_its_feet, begins_where_it_stands, feet_stay, a_foot_always_bears, nothing_slides_on_the_floor,
-    nothing_sinks, knees_bend_forwards, bones_keep_their_lengths, feet_do_not_pass_through_each_other,
-    supports_as_still_as_real, joints_as_smooth_as_real, nothing_pops, hips_go_as_smoothly_as_real,
-    goes_as_fast_as_people,
+    what_is_near_the_floor_stands, nothing_sinks, knees_bend_forwards, bones_keep_their_lengths,
+    feet_do_not_pass_through_each_other, supports_as_still_as_real, joints_as_smooth_as_real, nothing_pops,
+    hips_go_as_smoothly_as_real, goes_as_fast_as_people,
 )  # fmt: skip
 
 
@@ -171,6 +176,31 @@ def test_a_mirrored_goal_is_walked_to_as_in_a_mirror() -> None:
         _, root = mirror(one.rotations[:, :15], one.root)
         assert len(root) == len(other.root)
         np.testing.assert_allclose(other.root, root, atol=2e-3)  # the stance itself is not quite its mirror image
+
+
+@pytest.mark.parametrize("share", [0.75, 1.0, 1.3])
+@pytest.mark.parametrize("goal", [Goal(name, 20.0, 5.0, 100.0, 10.0) for name in HUMANS], ids=str)
+def test_no_foot_slides_as_it_lands_or_lifts_at_any_pace(goal: Goal, share: float) -> None:
+    natural = walked(goal)[1].natural
+    walk, _ = m.walked(goal, round(share * natural))
+    assert not what_is_near_the_floor_stands(walk, goal)
+
+
+@pytest.mark.parametrize("goal", [Goal("aiko", 0.0, 6.0, 30.0, 0.0), Goal("aiko", 0.0, 0.4, 0.0, 0.0)], ids=str)
+def test_who_is_small_walks_at_the_librarys_cadence(goal: Goal) -> None:
+    walk, made = walked(goal)
+    clips = len(made.nominal.root) - 1
+    assert made.natural == clips == len(walk.root) - 1
+    assert (made.rates == 1.0).all()
+
+
+@pytest.mark.parametrize("direction", [150.0, 180.0, -150.0])
+def test_hips_that_turn_round_at_once_are_hardly_beyond_their_limits(direction: float) -> None:
+    """The first two steps turn by all of it: more than the joints of both legs allow together."""
+    walk, _ = walked(Goal("ken", 0.0, 4.0, direction, 0.0))
+    assert m.beyond(walk, m.HIPS).max() < 15.0
+    assert m.beyond(walk, m.FEET).max() < 15.0
+    assert m.beyond(walk, m.KNEES).max() < 1.0
 
 
 def test_turned_as_a_whole_it_is_the_same_walk() -> None:
