@@ -11,7 +11,10 @@ __all__ = ["walk_app"]
 
 walk_app = typer.Typer(no_args_is_help=True, help="Make walk libraries, and look at what is in them.")
 
-Library = Annotated[Path, typer.Argument(metavar="LIBRARY", help="A walk library, such as objectdb/floor/walk.npz.")]
+Library = Annotated[
+    Path | None,
+    typer.Argument(metavar="LIBRARY", help="A walk library; left out: the floor's, objectdb/floor/walk.npz."),
+]
 Workspace = Annotated[
     Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with humandb/; left out: found.")
 ]
@@ -38,22 +41,22 @@ def build(
 
 
 @walk_app.command()
-def info(library: Library, as_json: Json = False) -> None:
-    """What clips a library has, and where they come from. Example: ahmss walk info objectdb/floor/walk.npz"""
+def info(library: Library = None, as_json: Json = False, workspace: Workspace = None) -> None:
+    """What clips a library has, and where they come from. Example: ahmss walk info"""
     from ahmss.main.walklibrary import show_library
 
-    show_library(library, as_json=as_json)
+    show_library(library, workspace, as_json=as_json)
 
 
 @walk_app.command()
 def export(
-    library: Library,
     name: Annotated[str, typer.Argument(metavar="CLIP", help="Its name, as `ahmss walk info` has it.")],
+    library: Library = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="A clip; left out: CLIP.npz.")] = None,
     force: Force = False,
     workspace: Workspace = None,
 ) -> None:
-    """Write one clip of a library as a motion clip. Example: ahmss walk export objectdb/floor/walk.npz start_90"""
+    """Write one clip of a library as a motion clip. Example: ahmss walk export start_90 -o left.npz"""
     from ahmss.main.walklibrary import export_clip
 
     export_clip(library, name, out or Path(f"{name}.npz"), workspace, force=force)

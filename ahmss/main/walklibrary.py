@@ -70,8 +70,9 @@ def _say_built(library: Library, report: Report | None, out: Path, *, as_json: b
     print(f"wrote {out}: {len(library.clips)} clips, for {library.human}")
 
 
-def show_library(path: Path, *, as_json: bool) -> None:
-    """Say of each clip how many frames it has, how far it gets and where it comes from."""
+def show_library(path: Path | None, workspace: Path | None, *, as_json: bool) -> None:
+    """Say of each clip of a library how many frames it has, how far it gets and whose it is; None: the floor's."""
+    path = path or _shipped(workspace)
     library = load(path)
     if as_json:
         told = [
@@ -87,16 +88,20 @@ def show_library(path: Path, *, as_json: bool) -> None:
         print(f"missing: {', '.join(key.name for key in library.missing)}")
 
 
-def export_clip(path: Path, name: str, out: Path, workspace: Path | None, *, force: bool) -> None:
-    """Write one clip of a library as a motion clip, its fingers relaxed.
+def export_clip(path: Path | None, name: str, out: Path, workspace: Path | None, *, force: bool) -> None:
+    """Write one clip of a library as a motion clip, its fingers relaxed; a path of None: the floor's library.
 
     Raises:
         CommandError: there is no such clip, or the file is there already.
     """
+    if Path(name).suffix == ".npz":
+        raise CommandError(f"{name} is a file, no clip; name the clip first, as in `ahmss walk export start_90 {name}`")
+    asked, path = path, path or _shipped(workspace)
     library = load(path)
     named = {key.name: clip for key, clip in library.clips.items()}
     if name not in named:
-        raise CommandError(f'{path}: no clip "{name}"; `ahmss walk info {path}` lists them, for instance start_90')
+        lists = f"ahmss walk info {asked}" if asked else "ahmss walk info"
+        raise CommandError(f'{path}: no clip "{name}"; `{lists}` lists them, for instance start_90')
     if out.exists() and not force:
         raise CommandError(f"{out}: it is there already; name another with -o, or say --force to write over it")
     walk = named[name]
@@ -113,3 +118,9 @@ def export_clip(path: Path, name: str, out: Path, workspace: Path | None, *, for
     made = clips.Clip(rotations, root, importance, walk.bearing.any(axis=-1).astype(float), RATE, None, header)
     clips.save(made, out)
     print(f"wrote {out}: {len(root)} frames, {(len(root) - 1) / RATE:.2f} s")
+
+
+def _shipped(workspace: Path | None) -> Path:
+    """The library of a workspace's floor; a path from the current directory where it is below that."""
+    path = Workspace.find(workspace).root / "objectdb" / "floor" / "walk.npz"
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path

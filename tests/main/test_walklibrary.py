@@ -1,4 +1,4 @@
-"""What `ahmss walk build` refuses before it sets to work."""
+"""What `ahmss walk build` refuses before it sets to work; the library that `info` and `export` mean."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 from ahmss.errors import CommandError
-from ahmss.main.walklibrary import build_library
+from ahmss.main.walklibrary import build_library, export_clip, show_library
+from ahmss.motion import clip as clips
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize(
@@ -25,3 +28,25 @@ def test_a_folder_that_is_none_is_told_from_one_without_motions(tmp_path: Path, 
         build_library(tmp_path / name, "ken", tmp_path / "walk.npz", None, force=False, as_json=False)
     assert str(told.value).startswith(f"{tmp_path / name}: {said}")
     assert not (tmp_path / "walk.npz").exists()
+
+
+def test_without_a_library_the_floors_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    show_library(None, ROOT, as_json=False)
+    shown = capsys.readouterr().out
+    assert "objectdb/floor/walk.npz: 332 clips of ken" in shown
+    assert "start_90" in shown
+
+
+def test_without_a_library_a_clip_of_the_floors_is_written(tmp_path: Path) -> None:
+    export_clip(None, "start_90", tmp_path / "left.npz", ROOT, force=False)
+    assert clips.load(tmp_path / "left.npz").header.origin == "walk.npz: start_90"
+
+
+def test_a_library_named_before_its_clip_is_told_the_order(tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match=r"name the clip first, as in `ahmss walk export start_90 my/walk.npz`"):
+        export_clip(Path("start_90"), "my/walk.npz", tmp_path / "left.npz", ROOT, force=False)
+
+
+def test_a_clip_that_is_none_is_told_where_they_are_listed(tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match=r'no clip "start_91"; `ahmss walk info` lists them'):
+        export_clip(None, "start_91", tmp_path / "left.npz", ROOT, force=False)
