@@ -23,9 +23,8 @@ __all__ = ["FootTracks", "tracks"]
 
 _UP, _LEFT = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 _HEEL, _BALL, _TOE = 0, 1, 2
-_ROUND = 0.16  # sine of the pitch over which the lowest point of the swinging sole passes from toe to heel
-_STARTING = 5.0  # how hard a foot that pushes off is drawn after the body
-_SLOWING = 5.0  # how hard a striking foot is still slowing down as it lands; at rest before, it would wait in the air
+_ROUND = 0.13  # sine of the pitch over which the lowest point of the swinging sole passes from toe to heel
+_LEAP = (3, 10)  # how the toes leap early in the swing: u^3 (1 - u)^10
 _FLAT = 1e-9  # radians
 _TOUCHING = 2e-4  # metres
 
@@ -99,10 +98,18 @@ def _angles(gait: Gait, stances: list[_Stance], steps: list[Step], times: Array)
     for step, before, after in zip(steps, stances[:-1], stances[1:], strict=True):
         down, up = -np.radians(gait.push) * step.push, np.radians(gait.strike) * step.strike
         swing = step.land - step.lift
-        rising = max(min(gait.push_time * (0.4 + 0.6 * step.push), step.lift - before.land - gait.flat_time), 0.05)
+        standing = step.lift - before.land - gait.flat_time
+        rising = max(min(gait.push_time * (0.4 + 0.6 * step.push), standing), 0.05)
+        slowly = max(min(gait.rise_time * (0.4 + 0.6 * step.push), standing), rising)
         flat = gait.flat_time * (0.3 + 0.7 * step.strike)
-        knots = (step.lift - rising, step.lift + gait.peak * swing, step.land, step.land + flat)
-        for begin, end, by in zip(knots, knots[1:], (down, up - down, -up), strict=False):
+        lifted = step.lift + gait.peak * swing
+        rise = gait.rise * down
+        for begin, end, by in (
+            (step.lift - slowly, step.lift + gait.rise_over, rise),
+            (step.lift - rising, lifted, down - rise),
+            (lifted, step.land, up - down),
+            (step.land, step.land + flat, -up),
+        ):
             pitch += by * minimum_jerk((times - begin) / (end - begin))
         yaw += (after.place.heading - before.place.heading) * minimum_jerk((times - step.lift) / swing)
     return pitch, yaw
@@ -135,8 +142,8 @@ def _swung(
     turn = (step.body - since) * minimum_jerk(u)
     local_end = _turned(end[:2] - origin, -(step.body - since))
     way = local_end - start[:2] + origin
-    leaving = acceleration[:2] * swing**2 + _STARTING * step.push * way
-    slowing = -_SLOWING * step.strike * way
+    leaving = acceleration[:2] * swing**2 + gait.drawn * step.push * way
+    slowing = -gait.slowing * step.strike * way
     level = _quintic(start[:2] - origin, velocity[:2] * swing, leaving, local_end, slowing, u)
     out = np.empty((len(times), 3))
     out[:, :2] = origin + _turned(level, turn)
@@ -148,6 +155,10 @@ def _swung(
     lowest = height * np.cos(pitch) + 0.5 * (toe + heel) * sine + 0.5 * (toe - heel) * smooth
     lift = gait.clearance + 0.03 * (1.0 - max(step.push, step.strike))
     out[:, 2] = lowest + lift * 16.0 * (u * (1.0 - u)) ** 2
+    rising, falling = _LEAP
+    highest = rising / (rising + falling)
+    leap = (u / highest) ** rising * ((1.0 - u) / (1.0 - highest)) ** falling
+    out[:, 2] += gait.leap * step.push * leap
     return out
 
 

@@ -17,27 +17,33 @@ class Gait:
 
     Of the straight step: its length, frames (at 60 a second) and how long both feet stand in it; the ankles' distance
     across, the feet's turn out. Of the foot: its pitch at the most when it pushes off and when it strikes (toes up),
-    and the seconds that it needs for both on the ground; the sole's clearance in the swing. Of the pelvis: how far it
-    sinks below standing and rises and falls, how much it turns with the leg ahead, drops to the swinging side
-    (degrees). Of arms, elbows and trunk: the swing for a full step.
+    and the seconds that it needs for both on the ground; of the swing, how the foot leaves and comes down. Of the
+    pelvis: how far it sinks below standing and rises and falls, how much it turns with the leg ahead, drops to the
+    swinging side (degrees). Of arms, elbows and trunk: the swing for a full step. Of the head: how far away it looks.
     """
 
-    step: float = 0.74
-    frames: int = 33
-    both: int = 7
+    step: float = 0.752
+    frames: int = 34
+    both: int = 8
     width: float = 0.095
     toe_out: float = 5.0
 
-    push: float = 52.0
+    push: float = 61.0
+    rise: float = 0.55  # of the push: by which the heel rises slowly, before it does so quickly
+    rise_time: float = 0.255  # seconds before the foot leaves
+    rise_over: float = 0.065  # and after it
+    push_time: float = 0.1
     strike: float = 20.0
-    push_time: float = 0.205
-    flat_time: float = 0.16
-    peak: float = 0.15  # of the swing, after lift-off: when the foot points down most
-    clearance: float = 0.012  # metres
+    flat_time: float = 0.168
+    peak: float = 0.118  # of the swing, after lift-off: when the foot points down most
+    clearance: float = 0.0085  # metres
+    leap: float = 0.016  # metres that the toes rise besides, early in the swing
+    drawn: float = 4.0  # how hard a foot that pushes off is drawn after the body
+    slowing: float = 8.2  # how hard a striking foot is still slowing down: at rest before, it would wait in the air
 
-    sink: float = 0.0285
-    bob: float = 0.018
-    low: float = -0.02  # of the step, after a foot has landed: when the pelvis is lowest
+    sink: float = 0.0250
+    bob: float = 0.0135
+    low: float = -0.01  # of the step, after a foot has landed: when the pelvis is lowest
     turn: float = 5.5
     list: float = 4.3
     tilt: float = 1.0
@@ -45,16 +51,17 @@ class Gait:
     nod_at: float = 0.2  # of the step: when it leans furthest ahead
 
     sway: float = 4.6  # 1/s: how closely the hips follow the foot that bears
-    even: float = 3.7  # the same along the way
-    roll: tuple[float, float] = (-0.01, 0.20)  # where under the foot the weight goes from and to, shares of hip height
+    even: float = 3.1  # the same along the way
+    roll: tuple[float, float] = (-0.033, 0.26)  # where under the foot the weight goes from and to, of hip height
 
-    arm: float = 23.5
-    arm_rest: float = 1.0
+    arm: float = 24.5
+    arm_ahead: float = 3.0  # degrees by which the swing's middle is before where the arm hangs
     arm_lag: float = -0.05  # seconds after the feet; before them
     elbow: float = 10.0
     trunk: float = 1.75  # how much the chest turns back against the pelvis
     lean: float = 1.6  # degrees of trunk for 1 m/s2 of the hips
     ahead: float = 0.30  # seconds by which the head turns before the body
+    sight: float = 1.0  # metres: how far away is what the head keeps to as the body rises and sways
 
 
 GAIT = Gait()

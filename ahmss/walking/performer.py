@@ -30,8 +30,9 @@ __all__ = ["Performed", "Stand", "perform"]
 
 _X, _Y, _Z = np.eye(3)
 _SHIFT = 0.62  # seconds before the first foot lifts in which the weight goes over the other
-_CATCH = 0.55  # seconds after the last has landed until the weight is over both
+_CATCH = 0.48  # seconds after the last has landed until the weight is over both
 _BRAKE = (0.17, 0.9)  # how far ahead of the ankle the last foot to strike is pushed on, share of hip height; seconds
+_SWAYS = 0.5  # seconds, about as long as a step: slower is no swaying
 _STRETCH = 0.998  # of a leg's length that a leg may have
 
 
@@ -69,7 +70,7 @@ def perform(skeleton: Skeleton, stand: Stand, plan: Footsteps, gait: Gait = GAIT
     root[:, 2] -= _too_high(skeleton, hips, root, feet)
     rotations = np.repeat(stand.rotations[None, :BODY], len(times), axis=0)
     rotations[:, 0] = multiply(hips, stand.rotations[0])
-    _upper_body(rotations, stand, gait, plan, times, body, ahead, level)
+    _upper_body(rotations, stand, gait, plan, times, body, ahead, root, size)
     solve_legs(skeleton, rotations, root, feet.ankles, feet.rotations)
     for frame in range(1, len(rotations)):
         rotations[frame] = align(rotations[frame], rotations[frame - 1])
@@ -212,10 +213,11 @@ def _too_high(skeleton: Skeleton, hips: Array, root: Array, feet: FootTracks) ->
 
 
 def _upper_body(
-    rotations: Array, stand: Stand, gait: Gait, plan: Footsteps, times: Array, body: Array, ahead: Array, level: Array
-) -> None:
+    rotations: Array, stand: Stand, gait: Gait, plan: Footsteps, times: Array, body: Array, ahead: Array, root: Array,
+    size: Array,
+) -> None:  # fmt: skip
     """Spine, head and arms into the rotations (F, 15, 4)."""
-    swing = _smooth(ahead, 0.07)
+    swing, level = _smooth(ahead, 0.07), root[:, :2]
     hips = rotations[:, 0]
     speedup = _smooth(np.gradient(np.gradient(level, 1.0 / RATE, axis=0), 1.0 / RATE, axis=0), 0.12)
     along = np.cos(body) * speedup[:, 0] + np.sin(body) * speedup[:, 1]
@@ -226,18 +228,27 @@ def _upper_body(
     q_spine = multiply(chest, multiply(stand.rotations[0], stand.rotations[1]))
     rotations[:, 1] = multiply(conjugate(hips), q_spine)
     looking = from_axis_angle(_Z, _heading(plan, times, gait.ahead))
-    looking = from_axis_angle(_Z, body + np.clip(_angle(looking) - body, -0.45, 0.45))
+    turned = body + np.clip(_angle(looking) - body, -0.45, 0.45)
+    looking = _kept_in_sight(gait, turned, root, float(stand.root[2]))
     q_head = multiply(looking, multiply(stand.rotations[0], multiply(stand.rotations[1], stand.rotations[2])))
     rotations[:, 2] = multiply(conjugate(q_spine), q_head)
     late = np.interp(times - gait.arm_lag, times, swing)
     for side, sign in (("right", -1.0), ("left", 1.0)):
-        forward_by = np.radians(gait.arm) * sign * late
+        forward_by = np.radians(gait.arm) * sign * late + np.radians(gait.arm_ahead) * size
         bend = np.radians(gait.elbow) * (sign * late + np.abs(late)) * 0.5 + np.radians(4.0) * sign * late
         for link, angle in ((f"{side}_upper_arm", forward_by), (f"{side}_lower_arm", bend)):
             own = stand.rotations[INDEX[link]]
             base = UPRIGHT[INDEX[link]]
             turned = multiply(multiply(base, from_axis_angle(_Y, angle)), conjugate(base))
             rotations[:, INDEX[link]] = multiply(turned, own)
+
+
+def _kept_in_sight(gait: Gait, turned: Array, root: Array, standing: float) -> Array:
+    """The head's rotations (F, 4): it keeps to a place ahead while the body rises and sways (Moore et al. 1999)."""
+    swayed = root[:, :2] - _smooth(root[:, :2], _SWAYS)
+    left = np.cos(turned) * swayed[:, 1] - np.sin(turned) * swayed[:, 0]
+    down = (root[:, 2] - standing) / gait.sight
+    return multiply(from_axis_angle(_Z, turned - left / gait.sight), from_axis_angle(_Y, down))
 
 
 def _angle(q: Array) -> Array:

@@ -16,6 +16,7 @@ __all__ = ["Landing", "Standing", "Walk", "level_speed", "steady_contacts", "wal
 _GAP = 0.15  # seconds; a foot that bears again so soon never left
 _SHORTEST = 0.1  # seconds that a foot bears at the least
 _OFF = 0.01  # metres over the height at which it stands where a foot is not on the ground yet, or no longer
+_HIGH = 0.025  # metres over the floor at which a foot that hardly moves is in the air nevertheless
 _STEP = 0.05  # metres that some part of a foot has moved after a step
 _RESTING = 0.2  # metres a second of the slowest part of a foot that rests, or turns about one of its parts
 _STILL = 0.15  # metres a second of the hips of a person who stands; walking, they are never as slow
@@ -64,12 +65,12 @@ def steady_contacts(points: Array, rate: float) -> NDArray[np.bool_]:
     slowest = speeds(points, rate).min(axis=-1)
     out = np.zeros_like(bears)
     for foot in range(2):
-        joined = _joined(bears[:, foot], rate)
+        lowest = points[:, foot, :, 2].min(axis=-1)
+        joined = _joined(bears[:, foot] & (lowest < _HIGH), rate)
         for first, end in runs(slowest[:, foot] > _RESTING):
             before, after = points[max(first - 1, 0), foot], points[min(end, frames - 1), foot]
             if np.linalg.norm(after - before, axis=-1).max() > _STEP:
                 joined[first:end] = False
-        lowest = points[:, foot, :, 2].min(axis=-1)
         for first, end in runs(_joined(joined, rate)):
             if end - first >= _SHORTEST * rate or first == 0 or end == frames:
                 down = first + np.flatnonzero(lowest[first:end] < np.median(lowest[first:end]) + _OFF)
