@@ -16,29 +16,33 @@ from ahmss.body.array import Array
 from ahmss.grasping.field import Solid
 from ahmss.grasping.hand import Hand, Thumb
 
-__all__ = ["POWER", "PRECISION", "THUMB_SLACK", "TOUCH", "Fingers", "Hands", "Style", "close_fingers", "close_thumb"]
+__all__ = [
+    "HOOK",
+    "POWER",
+    "PRECISION",
+    "THUMB_MOST",
+    "THUMB_SLACK",
+    "TOUCH",
+    "Fingers",
+    "Hands",
+    "close_fingers",
+    "close_thumb",
+]
 
 TOUCH = 0.0015  # metres within which skin counts as touching
 SINK = 0.0003  # metres that skin gives way
 COARSE, FINE = 16, 6  # places looked at on the way, then between the last that is free and the first that is not
 MOST = np.radians([95.0, 108.0, 80.0])  # that the joints bend at most
+STRAIGHTENED = 0.3  # of its bend that the end joint keeps while the joint before it goes on
+NOTHING = 9  # the number of no link
 FOLLOWS = 0.12  # of all the way that a finger without anything to touch bends further than the one beside it
 THUMB_MOST, THUMB_LEAST, THUMB_BEND, THUMB_SLACK = np.radians([118.0, 22.0, 60.0, 8.0])
 
 
-@dataclass(frozen=True)
-class Style:
-    """How fingers curl: radians at knuckle, middle and end joint of one that is curled all the way, and from where.
-
-    least: the share of `curl` at which they begin.
-    """
-
-    curl: Array
-    least: float = -0.1
-
-
-POWER = Style(np.radians([80.0, 105.0, 70.0]))
-PRECISION = Style(np.radians([85.0, 55.0, 25.0]))
+# Radians at knuckle, middle and end joint of a finger that is curled all the way: about something thick, hooked about a
+# bar, and with straight ends against the thumb.
+POWER, HOOK, PRECISION = np.radians([[80.0, 105.0, 70.0], [45.0, 105.0, 75.0], [85.0, 55.0, 25.0]])
+LEAST = -0.1  # of that, where fingers begin
 
 
 @dataclass(frozen=True)
@@ -71,37 +75,46 @@ class Fingers:
     touches: Array
 
 
-def close_fingers(hand: Hand, hands: Hands, solid: Solid, style: Style) -> Fingers:
-    """Close the four fingers of each hand onto a solid."""
+def close_fingers(hand: Hand, hands: Hands, solid: Solid, curls: Array) -> Fingers:
+    """Close the four fingers of each hand onto a solid, curling in the proportions of `curls` (C, 3)."""
 
-    def gaps_from(joint: int) -> Callable[[Array], Array]:
-        """The gaps (C, 4, n, links) of the links from a joint on, along paths of flexions (C, 4, n, 3)."""
+    def gaps_from(joint: int, start: Array) -> Callable[[Array], Array]:
+        """The gaps (C, 4, n, links) of the links from a joint on, along paths of flexions (C, 4, n, 3).
+
+        A ball that touches at the start, beside the joint before, stops nothing unless it goes deeper.
+        """
+
+        def of_balls(path: Array) -> Array:
+            middles, radii = hand.finger_balls(path.swapaxes(1, 2))
+            return solid.clearance(hands.seen(middles[..., joint:, :, :])) - radii[:, joint:]
+
+        before = np.minimum(of_balls(start[:, :, None]), 0.0) if joint else np.zeros(())
 
         def gaps(path: Array) -> Array:
-            middles, radii = hand.finger_balls(path.swapaxes(1, 2))
-            seen = hands.seen(middles[..., joint:, :, :])
-            return (solid.clearance(seen) - radii[:, joint:]).min(axis=-1).swapaxes(1, 2) + SINK
+            return (of_balls(path) - before).min(axis=-1).swapaxes(1, 2) + SINK
 
         return gaps
 
-    start = np.broadcast_to(style.least * style.curl, (len(hands.place), 4, 3))
-    flexion, link = _meet(start, np.broadcast_to(style.curl, start.shape), gaps_from(0))
-    loose = link == 3
+    end = np.repeat(curls[:, None], 4, axis=1)
+    flexion, link = _meet(LEAST * end, end, gaps_from(0, LEAST * end))
+    loose = link == NOTHING
     for joint in (1, 2):
-        last = flexion.copy()
-        last[..., joint:] = np.maximum(MOST[joint:], flexion[..., joint:])
-        further, touched = _meet(flexion, last, gaps_from(joint))
-        going = link < joint
-        flexion = np.where(going[..., None], further, flexion)
-        link = np.where(going, np.minimum(joint + touched, 2), link)
+        first = flexion.copy()
+        first[..., joint + 1 :] *= STRAIGHTENED  # or the end would meet a round thing before the link between does
+        last = first.copy()
+        last[..., joint] = np.maximum(MOST[joint], first[..., joint])
+        further, _ = _meet(first, last, gaps_from(joint, first))
+        flexion = np.where((link < joint)[..., None], further, flexion)
     for finger in range(1, 4):  # beside one that holds, a finger with nothing to touch is bent as that one is
-        own, beside = flexion[:, finger], flexion[:, finger - 1] + FOLLOWS * style.curl
+        own, beside = flexion[:, finger], flexion[:, finger - 1] + FOLLOWS * curls
         flexion[:, finger] = np.where(loose[:, finger, None], np.minimum(own, beside), own)
     middles, radii = hand.finger_balls(flexion)
     return Fingers(flexion, *_nearest(solid, hands.seen(middles), radii))
 
 
-def close_thumb(hand: Hand, hands: Hands, solid: Solid, flexion: Array, rise: Array) -> tuple[Thumb, Array, Array]:
+def close_thumb(
+    hand: Hand, hands: Hands, solid: Solid, flexion: Array, rise: Array, bend: Array
+) -> tuple[Thumb, Array, Array]:
     """Bring the thumb of each hand back onto a solid, or onto the fingers that have closed.
 
     Args:
@@ -110,6 +123,7 @@ def close_thumb(hand: Hand, hands: Hands, solid: Solid, flexion: Array, rise: Ar
         solid: that they close on.
         flexion: (C, 4, 3) of the fingers.
         rise: (C,) the plane in which the thumb moves, radians out of the palm to the thumb's side.
+        bend: (C,) of its end while it moves.
 
     Returns:
         The thumbs (C), the gaps (C, 2) of their links, and where they touch (C, 2, 3) in the object's frame.
@@ -132,8 +146,8 @@ def close_thumb(hand: Hand, hands: Hands, solid: Solid, flexion: Array, rise: Ar
         return gaps(path)[..., 1:]
 
     count = len(rise)
-    start = np.broadcast_to(np.array([THUMB_MOST, THUMB_SLACK]), (count, 2))
-    found, link = _meet(start, np.broadcast_to(np.array([THUMB_LEAST, THUMB_SLACK]), (count, 2)), gaps)
+    start, end = (np.stack([np.full(count, out), bend], axis=1) for out in (THUMB_MOST, THUMB_LEAST))
+    found, link = _meet(_free(start, end, gaps), end, gaps)
     bent, _ = _meet(found, np.stack([found[:, 0], np.full(count, THUMB_BEND)], axis=1), end_gaps)
     found = np.where((link == 0)[:, None], bent, found)
     thumb = Thumb(found[:, 0], rise, found[:, 1])
@@ -157,12 +171,19 @@ def _meet(start: Array, end: Array, gaps_of: Callable[[Array], Array]) -> tuple[
         gaps_of: gives gaps (..., n, links) at places (..., n, k).
 
     Returns:
-        The places (..., k): the start where it touches already, the end where nothing does; and the links (...), their
-        number where nothing touches.
+        The places (..., k): the start where it touches already, the end where nothing does; and the links (...),
+        `NOTHING` where nothing does.
     """
-    first, last, touched, link = _between(start, end, COARSE, gaps_of)
-    place, _, _, _ = _between(first, last, FINE, gaps_of)
-    return np.where(touched[..., None], place, end), link
+    first, last, touched, _ = _between(start, end, COARSE, gaps_of)
+    place, _, _, link = _between(first, last, FINE, gaps_of)
+    return np.where(touched[..., None], place, end), np.where(touched, link, NOTHING)
+
+
+def _free(start: Array, end: Array, gaps_of: Callable[[Array], Array]) -> Array:
+    """The first place of straight ways (..., k), as in `_meet`, at which nothing touches; the start where all does."""
+    path = start[..., None, :] + np.linspace(0.0, 1.0, COARSE)[:, None] * (end - start)[..., None, :]
+    i = (gaps_of(path).min(axis=-1) > 0.0).argmax(axis=-1)
+    return np.take_along_axis(path, i[..., None, None], axis=-2)[..., 0, :]
 
 
 def _between(
@@ -178,4 +199,4 @@ def _between(
     before = np.take_along_axis(path, np.maximum(i - 1, 0), axis=-2)[..., 0, :]
     link = np.take_along_axis(gaps, i, axis=-2)[..., 0, :].argmin(axis=-1)
     here = np.take_along_axis(path, i, axis=-2)[..., 0, :]
-    return before, here, touched, np.where(touched, link, gaps.shape[-1])
+    return before, here, touched, link

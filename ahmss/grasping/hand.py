@@ -12,8 +12,9 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import between, conjugate, from_axis_angle, rotate
+from ahmss.body.quaternion import IDENTITY, between, conjugate, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
+from ahmss.grasping.field import Solid
 
 __all__ = ["ALONG", "BALLS", "FINGERS", "Hand", "Thumb"]
 
@@ -28,7 +29,7 @@ LENGTH = 0.095  # metres of the hand of which the palm's balls were taken
 PALM = np.array([
     [0.076, 0.0, -0.022], [0.076, 0.0, -0.0019], [0.076, 0.0, 0.02],
     [0.093, 0.0, -0.0247], [0.093, 0.0, -0.0057], [0.093, 0.0, 0.0133],
-    [0.034, 0.0075, -0.017], [0.034, 0.004, 0.02],
+    [0.030, 0.0095, -0.015], [0.046, 0.0085, -0.022], [0.034, 0.004, 0.02],
 ])  # fmt: skip
 X = np.array([1.0, 0.0, 0.0])
 
@@ -107,6 +108,39 @@ class Hand:
         """Directions (..., 3) of a thumb's links."""
         level = np.sin(out) * np.cos(rise)
         return np.stack([np.cos(out), self.towards * level, -np.sin(out) * np.sin(rise)], axis=-1)
+
+    def balls(self, rotations: Array) -> tuple[Array, Array]:
+        """Middles (..., 14, BALLS, 3) of the balls along links turned by (..., 14, 4), and their radii (14, BALLS)."""
+        first = fingers(self.side)[0]
+        middles = np.empty((*rotations.shape[:-2], 14, BALLS, 3))
+        radii = np.empty((14, BALLS))
+        chains = [("thumb", self.thumb_root, self.thumb_lengths, self.thumb_radii)]
+        chains += list(zip(FINGERS, self.roots, self.lengths, self.radii, strict=True))
+        for finger, root, lengths, wide in chains:
+            start, turned = np.broadcast_to(root, (*rotations.shape[:-2], 3)), IDENTITY
+            segments = SEGMENTS if len(lengths) == 3 else ("proximal", "distal")
+            for segment, length, radius in zip(segments, lengths, wide, strict=True):
+                link = INDEX[f"{self.side}_{finger}_{segment}"] - first
+                turned = multiply(turned, rotations[..., link, :])
+                along = rotate(turned, length * X)
+                middles[..., link, :, :] = start[..., None, :] + ALONG[:, None] * along[..., None, :]
+                radii[link] = radius * (TIP if segment == "distal" else 1.0)
+                start = start + along
+        return middles, radii
+
+    def depth(self, solid: Solid, palms: Array, rotations: Array) -> float:
+        """How deep the skin of fingers (F, 14, 4) is in a solid at the worst, metres, negative where all is outside.
+
+        Args:
+            solid: in the object's frame.
+            palms: (F, 7) the palm's frames there.
+            rotations: (F, 14, 4) of the fingers.
+        """
+        middles, radii = self.balls(rotations)
+        q_object_hand = multiply(palms[:, 3:], conjugate(self.grip[3:]))
+        places = palms[:, :3] - rotate(q_object_hand, self.grip[:3])
+        seen = places[:, None, None] + rotate(q_object_hand[:, None, None], middles)
+        return -float((solid.clearance(seen) - radii).min())
 
     def rotations(self, flexion: Array, thumb: Thumb) -> Array:
         """Rotations (14, 4) in the order of links, for flexions (4, 3) and one thumb."""

@@ -8,31 +8,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
-from ahmss.grasping.closing import TOUCH, Fingers, Hands, Style, close_fingers, close_thumb
+from ahmss.grasping.closing import THUMB_MOST, THUMB_SLACK, TOUCH, Fingers, Hands, close_fingers, close_thumb
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import FINGERS, Hand, Thumb
 
-__all__ = ["HOLDS", "Holding", "Trial", "best"]
+__all__ = ["DEEP", "HOLDS", "Holding", "Trial", "best", "opener"]
 
 HOLDS = -0.4  # cosine between the thumb's normal and a finger's, below which what is between them is held
+FEW = 3  # hands whose thumbs are tried
 WELL = -0.85  # of the same, below which no better one is looked for
+OPENED, OPENS_BY, THUMB_OPENS_BY = 0.6, np.radians(4.0), np.radians(22.0)  # of a hand that is about to close
 DEEP = 0.002  # metres that skin may be within the shape
-_DEPTH, _FINGER, _LINK = 150.0, 0.08, 0.01  # of a metre too deep, a finger that touches, a link that touches
+_DEPTH, _FINGER, _LINK = 150.0, 0.08, 0.03  # of a metre too deep, a finger that touches, a link that touches
+_GAP, _AWAY = 30.0, 0.03  # of a metre between skin and shape, the mean of all links; beyond that no link is missed
+_FAR_OUT = (np.radians(95.0), 0.6)  # the thumb further out than that: of a radian
 
 
 @dataclass(frozen=True)
 class Holding:
     """A hand that has closed.
 
-    palm: (7,) the palm's frame in the object's. shape: (14, 4) rotations of the fingers, in the order of links.
-    touching: which of thumb, index, middle, ring and little finger touch. facing: cosine between the thumb's normal and
+    palm: (7,) the palm's frame in the object's. shape: (14, 4) rotations of the fingers, in the order of links;
+    flexion: (4, 3) and thumb: the same as angles.
+    touching: which of thumb, index, middle, ring and little finger touch. links: how many of the
+    fingers' twelve links do. facing: cosine between the thumb's normal and
     that of the finger most opposite to it: -1 where they press against each other, 1 where one of the two is missing.
     depth: metres by which some skin is within the shape, 0 for none.
     """
 
     palm: Array
     shape: Array
+    flexion: Array
+    thumb: Thumb
     touching: tuple[str, ...]
+    links: int
     facing: float
     depth: float
 
@@ -46,57 +55,80 @@ class Holding:
 class Trial:
     """Hands to be tried, C of them.
 
-    hands: in the object's frame. palms: (C, 7) of them. style: how their fingers curl. rises: (C, R) planes that the
-    thumb tries. cost: (C,) what speaks against each. thumb_cost: (C, R) the same of the planes.
+    hands: in the object's frame. palms: (C, 7) of them. curls: (C, 3) how their fingers curl. rises, bends: (C, R)
+    planes that the thumb tries, and how its end is bent meanwhile. cost: (C,) what speaks against each. thumb_cost:
+    (C, R) the same of the planes. links: of fingers that are to touch, or others than the first hand are tried.
     """
 
     hands: Hands
     palms: Array
-    style: Style
+    curls: Array
     rises: Array
+    bends: Array
     cost: Array
     thumb_cost: Array
+    links: int
 
-    def first(self) -> Trial:
-        """The first hand alone."""
-        hands = Hands(self.hands.place[:1], self.hands.turn[:1])
-        return Trial(hands, self.palms[:1], self.style, self.rises[:1], self.cost[:1], self.thumb_cost[:1])
+    def chosen(self, which: NDArray[np.intp]) -> Trial:
+        """Some of the hands."""
+        return Trial(
+            self.hands.chosen(which), self.palms[which], self.curls[which], self.rises[which], self.bends[which],
+            self.cost[which], self.thumb_cost[which], self.links,
+        )  # fmt: skip
 
 
 def best(hand: Hand, field: Field, trial: Trial) -> Holding:
     """Close the hands of a trial, the first alone where that will do, and give the best."""
-    first = _best(hand, field, trial.first())
-    if len(trial.palms) == 1 or (first.facing < WELL and len(first.touching) > 4 and first.depth < 0.5 * DEEP):
+    first = _best(hand, field, trial.chosen(np.arange(1)))
+    if len(trial.palms) == 1 or (first.facing < WELL and first.links >= trial.links and first.depth < 0.5 * DEEP):
         return first
     return _best(hand, field, trial)
 
 
 def _best(hand: Hand, field: Field, trial: Trial) -> Holding:
-    fingers = close_fingers(hand, trial.hands, field, trial.style)
-    count, planes = trial.rises.shape
-    of = np.repeat(np.arange(count), planes)
-    thumb, thumb_gaps, thumb_touches = close_thumb(
-        hand, trial.hands.chosen(of), field, fingers.flexion[of], trial.rises.reshape(-1)
-    )
-    palm_gaps = field.clearance(trial.hands.seen(np.broadcast_to(hand.palm, (count, *hand.palm.shape)))).min(axis=1)
-    palm_gaps -= hand.palm_radius
-    facing = _facing(field, fingers, of, thumb_gaps, thumb_touches)
-    depth = -np.minimum.reduce([fingers.gaps.min(axis=(1, 2))[of], palm_gaps[of], thumb_gaps.min(axis=1)])
+    """The best by the fingers and the palm, and of a few of these the best with the thumb."""
+    fingers = close_fingers(hand, trial.hands, field, trial.curls)
+    palms = trial.hands.seen(np.broadcast_to(hand.palm, (len(trial.palms), *hand.palm.shape)))
+    depth = -np.minimum((field.clearance(palms) - hand.palm_radius).min(axis=1), fingers.gaps.min(axis=(1, 2)))
     touching = fingers.gaps < TOUCH
     score = (
-        facing
-        + _DEPTH * np.maximum(depth - 0.5 * DEEP, 0.0)
-        - _FINGER * touching.any(axis=2).sum(axis=1)[of]
-        - _LINK * touching.sum(axis=(1, 2))[of]
-        + trial.cost[of]
-        + trial.thumb_cost.reshape(-1)
+        _DEPTH * np.maximum(depth - 0.5 * DEEP, 0.0)
+        - _FINGER * touching.any(axis=2).sum(axis=1)
+        - _LINK * touching.sum(axis=(1, 2))
+        + _GAP * np.clip(fingers.gaps, 0.0, _AWAY).mean(axis=(1, 2))
+        + trial.cost
     )
-    i = int(score.argmin())
+    few = np.argsort(score)[:FEW]
+    few_of = trial.chosen(few)
+    of = np.repeat(few, few_of.rises.shape[1])
+    rise, bend = few_of.rises.reshape(-1), few_of.bends.reshape(-1)
+    thumb, gaps, touches = close_thumb(hand, trial.hands.chosen(of), field, fingers.flexion[of], rise, bend)
+    facing = _facing(field, fingers, of, gaps, touches)
+    depth = np.maximum(depth[of], -gaps.min(axis=1))
+    total = (
+        score[of]
+        + facing
+        + _DEPTH * np.maximum(depth - 0.5 * DEEP, 0.0)
+        + _FAR_OUT[1] * np.maximum(thumb.out - _FAR_OUT[0], 0.0)
+        + few_of.thumb_cost.reshape(-1)
+    )
+    i = int(total.argmin())
     c = int(of[i])
-    names = ["thumb"] if bool((thumb_gaps[i] < TOUCH).any()) else []
+    names = ["thumb"] if bool((gaps[i] < TOUCH).any()) else []
     names += [name for name, on in zip(FINGERS, touching[c].any(axis=1), strict=True) if on]
-    shape = hand.rotations(fingers.flexion[c], Thumb(thumb.out[i], thumb.rise[i], thumb.bend[i]))
-    return Holding(trial.palms[c], shape, tuple(names), float(facing[i]), max(float(depth[i]), 0.0))
+    one = Thumb(thumb.out[i], thumb.rise[i], thumb.bend[i])
+    shape = hand.rotations(fingers.flexion[c], one)
+    return Holding(
+        trial.palms[c], shape, fingers.flexion[c], one, tuple(names), int(touching[c].sum()), float(facing[i]),
+        max(float(depth[i]), 0.0),
+    )  # fmt: skip
+
+
+def opener(hand: Hand, holding: Holding) -> Array:
+    """The fingers (14, 4) before they close into a grip: further apart, so that what is held comes between them."""
+    flexion = OPENED * holding.flexion - OPENS_BY
+    thumb = Thumb(np.minimum(holding.thumb.out + THUMB_OPENS_BY, THUMB_MOST), holding.thumb.rise, THUMB_SLACK)
+    return hand.rotations(flexion, thumb)
 
 
 def _facing(field: Field, fingers: Fingers, of: NDArray[np.intp], thumb_gaps: Array, thumb_touches: Array) -> Array:

@@ -7,15 +7,21 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import between, conjugate, from_axis_angle, multiply, rotate, to_matrix
-from ahmss.grasping.closing import POWER, Hands
+from ahmss.grasping.closing import HOOK, POWER, Hands
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding, Trial, best
 
 __all__ = ["power"]
 
-INTO_FINGERS = np.array([0.01, 0.0, 0.02, 0.032])  # metres by which the axis lies before the palm's middle
-RISES = np.radians([22.0, 0.0, 40.0])  # planes of the thumb, out of the palm to its own side
+# What is tried: the first alone where that will do. Metres by which the axis lies before the palm's middle, towards the
+# fingers; metres along the axis; and how the fingers curl.
+INTO_FINGERS = np.array([0.01, 0.0, 0.02, 0.005, 0.01, 0.01, 0.0, 0.01, 0.01, 0.01])
+BESIDE = np.array([0.0, 0.0, 0.0, 0.0, -0.022, 0.022, 0.0, 0.0, -0.022, 0.022])
+CURLS = np.stack([POWER] * 6 + [HOOK] * 4)
+WRAPPED = 9  # links that touch where fingers are well around
+# Planes of the thumb, out of the palm to its own side, and the bend of its end.
+RISES, BENDS = np.radians([[22.0, 0.0, 40.0, 22.0, 5.0], [8.0, 8.0, 8.0, 45.0, 45.0]])
 ALONG = 0.04  # metres along the axis that the palm may be from the site
 SLANT = np.radians(15.0)  # by which the hand may lie askew of the axis
 BACK, PAST = 0.13, 0.04  # metres before the axis where the palm begins, and behind it where it has missed
@@ -42,8 +48,9 @@ def power(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
     on_hand = conjugate(hand.grip[3:])
     q_object_hand = multiply(rotation, on_hand)
     turn = to_matrix(q_object_hand)
-    height = float(np.clip((grip[:3] - site[:3]) @ up, -ALONG, ALONG))
+    height = float((grip[:3] - site[:3]) @ up)
     to_fingers = turn @ X
+    height = np.clip(height + BESIDE, -ALONG, ALONG)[:, None]
     starts = site[:3] + height * up - BACK * inward - INTO_FINGERS[:, None] * (to_fingers - (to_fingers @ up) * up)
     middles = starts[:, None] + (hand.palm - hand.grip[:3]) @ turn.T
     went, met = _until_it_touches(field, middles, inward, hand.palm_radius)
@@ -51,9 +58,11 @@ def power(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
         return None
     palms = np.concatenate([starts + went[:, None] * inward, np.tile(rotation, (len(starts), 1))], axis=1)[met]
     hands = Hands(palms[:, :3] - turn @ hand.grip[:3], np.broadcast_to(turn, (len(palms), 3, 3)))
-    cost = 2.0 * np.abs(INTO_FINGERS - INTO_FINGERS[0])[met]
-    rises = np.broadcast_to(RISES, (len(palms), len(RISES)))
-    return best(hand, field, Trial(hands, palms, POWER, rises, cost, 0.15 * np.abs(rises - RISES[0])))
+    cost = (2.0 * np.abs(INTO_FINGERS - INTO_FINGERS[0]) + 5.0 * np.abs(BESIDE))[met]
+    rises, bends = (np.broadcast_to(row, (len(palms), len(row))) for row in (RISES, BENDS))
+    return best(
+        hand, field, Trial(hands, palms, CURLS[met], rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED)
+    )
 
 
 def _level(grip: Array, axis: Array, up: Array) -> Array:

@@ -16,6 +16,9 @@ __all__ = ["precision", "thickness"]
 DEPTHS = np.array([0.015, 0.01, 0.022, 0.006])  # metres behind where the shape begins
 SPAN = 0.11  # metres between the pads at the most
 STEP = 0.0005  # metres between places that are looked at along a line
+UPRIGHT = 0.8  # what it costs to close along the hand rather than across it
+SLANT, THIN = np.radians(30.0), 0.03  # how much aslant what is thinner than that may lie between the pads, metres
+PADS = 3  # links that touch where the pads are well on it
 PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -40,9 +43,23 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | N
     turn = to_matrix(poses[:, 3:])
     grips = multiply(poses[:, 3:], np.broadcast_to(hand.grip[3:], (len(poses), 4)))
     palms = np.concatenate([poses[:, :3] + turn @ hand.grip[:3], grips], axis=1)
+    curls = np.repeat(PRECISION[None], len(poses), axis=0)
     rises = np.array([[rise] for _, rise, _ in found])
     cost = 0.05 * np.array([i for _, _, i in found], float)
-    return best(hand, field, Trial(Hands(poses[:, :3], turn), palms, PRECISION, rises, cost, np.zeros_like(rises)))
+    return best(
+        hand,
+        field,
+        Trial(
+            Hands(poses[:, :3], turn),
+            palms,
+            curls,
+            rises,
+            np.full_like(rises, THUMB_SLACK),
+            cost,
+            np.zeros_like(rises),
+            PADS,
+        ),
+    )
 
 
 def _placed(hand: Hand, field: Field, grip: Array, site: Array, depth: float) -> tuple[Array, float] | None:
@@ -89,7 +106,7 @@ def _pinch(hand: Hand, width: float) -> tuple[Array, Array, float]:
     taken in which the pads face each other most.
     """
     share, out = np.linspace(0.1, 1.1, 31), np.radians(np.linspace(25.0, 110.0, 35))
-    bent = share[:, None] * PRECISION.curl
+    bent = share[:, None] * PRECISION
     fingers, radii = hand.finger_balls(np.repeat(bent[:, None], 4, axis=1))
     a = bent.sum(axis=1)
     faces = np.stack([-np.sin(a), hand.towards * np.cos(a), np.zeros_like(a)], axis=-1)
@@ -105,10 +122,13 @@ def _pinch(hand: Hand, width: float) -> tuple[Array, Array, float]:
     along = apart / np.maximum(length, 1e-9)[..., None]
     facing = np.einsum("ijc,ic->ij", along, faces) - np.einsum("ijc,jc->ij", along, back)
     # What they meet may be between them only where they look at each other; a near miss in width does no harm.
-    worth = facing - np.abs(length - max(width, 0.004)) / 0.004
+    worth = facing - np.abs(length - max(width, 0.004)) / 0.004 - UPRIGHT * np.abs(along[..., 0])
     i, j = np.unravel_index(int(worth.argmax()), worth.shape)
     z = along[i, j]
     middle = 0.5 * (pads[i] + thumbs[j])
     x = middle - (middle @ z) * z
     x = x / np.linalg.norm(x)
+    # Something thin may lie aslant between the pads, so that the hand lies more along it.
+    slant = float(np.clip(np.arctan2(z[0], x[0]), -SLANT, SLANT)) if width < THIN else 0.0
+    x, z = np.cos(slant) * x + np.sin(slant) * z, np.cos(slant) * z - np.sin(slant) * x
     return middle, np.stack([x, np.cross(z, x), z], axis=1), float(rise[j])

@@ -1,6 +1,6 @@
 """An object that follows the hand (Ichiguchi 2000, 5.3.4).
 
-It is caught when the motion that closes the hand is over and the palm is at its wall. From then on it keeps its pose in
+It is caught when the motion that closes the hand is over and the hand is at it. From then on it keeps its pose in
 the palm as it was at that moment, so it does not jump, and stays caught for as long as this algorithm runs, whatever
 the human does.
 """
@@ -11,7 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
+from ahmss.algorithm import HumanFrame, ObjectPose, ObjectTask, Transform, run
+from ahmss.algorithm.grasping import from_skin
 from ahmss.body.quaternion import normalize, rotate
 
 
@@ -23,12 +24,19 @@ def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:
         grip = human.grip(side)
         if in_palm is None:
             closed = human.k >= task.length
-            if not closed or abs(_from_wall(task, grip)) > task.parameter("threshold", 0.03):
+            if not closed or _apart(task, human, side) > task.parameter("threshold", 0.03):
                 yield task.pose()
                 continue
             in_palm = grip.inverse().then(task.object.frame)
         followed = grip.then(in_palm)
         yield task.pose(followed.place, normalize(followed.rotation))
+
+
+def _apart(task: ObjectTask, human: HumanFrame, side: str) -> float:
+    """How far the hand is from the object, metres."""
+    if task.object.shape is not None and task.parameter("diameter", 0.0) <= 0.0:
+        return max(from_skin(task, human, side), 0.0)
+    return abs(_from_wall(task, human.grip(side)))
 
 
 def _from_wall(task: ObjectTask, grip: Transform) -> float:

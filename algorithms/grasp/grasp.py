@@ -1,7 +1,8 @@
-"""Closing the hand around an upright round object, and opening it (Ichiguchi 2000, 5.3.4).
+"""Closing the hand around an object, and opening it (Ichiguchi 2000, 5.3.4).
 
-The palm is brought onto the wall from where it is, at its height; the thumb goes to one side, the four fingers to the
-other, each link by slerp from its present rotation to the one at which it touches.
+Where the object's shape is known, the hand closes onto it as the site's `grip` says, each finger until it touches. Else
+it closes about a cylinder, as in the thesis: the palm is brought onto the wall from where it is, at its height; the
+thumb goes to one side, the four fingers to the other, each link by slerp to the rotation at which it touches.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, importance_of, run
+from ahmss.algorithm.grasping import Closing, closing
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import between, multiply, rotate, slerp
@@ -20,34 +22,62 @@ from ahmss.motion.fingers import Cylinder, closed, opened
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers
 THERE_BY, OPEN_BY = 0.75, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
+WIDE_BY, CLOSES_FROM = 0.5, 0.55  # where the hand has to open first: open by then, closing from then on
 GAZE = 4
 
 
 def grasp(task: HumanTask) -> Array:
     """All frames (N, 260): the hand closes, or opens and draws back; the arm follows, the rest is left alone."""
     side = task.hand or "right"
-    opening = task.parameter("open", False)
     time = np.arange(1, task.length + 1) / task.length
+    links = list(fingers(side))
+    present = task.start.rotations[links]
     grip = task.start.grip(side)
-    if opening:
-        shape = opened(side, task.start.rotations[fingers(side)][:2])
-        end = Transform(grip.apply(np.array([-task.parameter("back", 0.06), 0.0, 0.0])), grip.rotation)
-        bent, moved = minimum_jerk(time / OPEN_BY), minimum_jerk((time - 0.25) / 0.75)
+    if task.parameter("open", False):
+        end = Transform(grip.place + task.parameter("back", 0.06) * _back(task, grip), grip.rotation)
+        shapes = slerp(present, opened(side, present[:2]), minimum_jerk(time / OPEN_BY)[:, None])
+        return _frames(task, side, shapes, (end, minimum_jerk((time - 0.25) / 0.75)))
+    end = _closing(task, side, grip)
+    arriving = minimum_jerk(time / THERE_BY)
+    if end.wide is None:
+        shapes = slerp(present, end.shape, minimum_jerk(time)[:, None])
     else:
-        radius, axis = _object(task)
-        end = _on_wall(grip, axis, radius, side)
-        shape = closed(task.human, side, _seen_from_hand(task.human, side, end, axis, radius))
-        bent, moved = minimum_jerk(time), minimum_jerk(time / THERE_BY)
-    return _frames(task, side, (shape, bent), (end, moved))
+        shapes = slerp(present, end.wide, minimum_jerk(time / WIDE_BY)[:, None])
+        late = minimum_jerk((time - CLOSES_FROM) / (1.0 - CLOSES_FROM))[:, None]
+        shapes = np.where(late[..., None] > 0.0, slerp(end.wide, end.shape, late), shapes)
+    return _frames(task, side, shapes, (end.palm, arriving))
 
 
-def _object(task: HumanTask) -> tuple[float, Transform]:
-    """The object's radius and its axis: the z of the action's site, or of the object."""
+def _back(task: HumanTask, grip: Transform) -> Array:
+    """The direction (3,) in which the opened hand is drawn back: out of a pinch, or off the wall under the palm."""
+    if task.object is not None and task.site is not None and task.object.sites[task.message.site].grip == "precision":
+        return rotate(task.site.rotation, np.array([-1.0, 0.0, 0.0]))
+    return rotate(grip.rotation, np.array([-1.0, 0.0, 0.0]))
+
+
+def _closing(task: HumanTask, side: str, grip: Transform) -> Closing:
+    """Where the palm goes and what the fingers do.
+
+    Raises:
+        AlgorithmError: the object is out of the hand's reach, or too wide for it.
+    """
     if task.object is None:
         raise AlgorithmError("grasp needs an object")
+    if task.object.shape is not None and task.parameter("diameter", 0.0) <= 0.0:
+        return closing(task, side, TOO_FAR)
+    radius, axis = _cylinder(task)
+    end = _on_wall(grip, axis, radius, side)
+    return Closing(end, closed(task.human, side, _seen_from_hand(task.human, side, end, axis, radius)), None)
+
+
+def _cylinder(task: HumanTask) -> tuple[float, Transform]:
+    """The object's radius and its axis: the z of the action's site, or of the object."""
+    assert task.object is not None
     diameter = task.parameter("diameter", 0.0) or float(task.object.properties.get("diameter", 0.0))
     if diameter <= 0.0:
-        raise AlgorithmError(f"grasp needs {task.object.name}'s diameter, a property or the parameter `diameter`")
+        raise AlgorithmError(
+            f"grasp needs {task.object.name}'s shape or its diameter, a property or the parameter `diameter`"
+        )
     return 0.5 * diameter, task.site or task.object.frame
 
 
@@ -81,13 +111,11 @@ def _seen_from_hand(skeleton: Skeleton, side: str, grip: Transform, axis: Transf
     return Cylinder(seen.place, rotate(seen.rotation, np.array([0.0, 0.0, 1.0])), radius)
 
 
-def _frames(task: HumanTask, side: str, hand: tuple[Array, Array], palm: tuple[Transform, Array]) -> Array:
-    """Poses, importances and targets from the fingers' shape and the palm's end, each with its share of the way."""
-    shape, bent = hand
+def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Array]) -> Array:
+    """Poses, importances and targets from the fingers' rotations (N, 14, 4) and the palm's end with its way (N)."""
     end, moved = palm
-    links = list(fingers(side))
     rotations = np.repeat(task.start.rotations[None], task.length, axis=0)
-    rotations[:, links] = slerp(rotations[:, links], shape, bent[:, None])
+    rotations[:, list(fingers(side))] = shapes
     targets = np.zeros((task.length, 5, 8))
     row = targets[:, 0 if side == "right" else 1]
     grip = task.start.grip(side)

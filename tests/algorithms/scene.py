@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import HumanPose, Transform, frames
-from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, SiteRecord, Start
+from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
 from ahmss.database import Workspace
@@ -50,17 +50,23 @@ def _placed() -> dict[str, Any]:
     return {placed.name: placed for placed in WORKSPACE.objects.place("room", "room")}
 
 
-def record(name: str, frame: Transform | None = None, states: dict[str, Any] | None = None) -> ObjectRecord:
+def record(
+    name: str, frame: Transform | None = None, states: dict[str, Any] | None = None, *, shaped: bool = False
+) -> ObjectRecord:
     """An object of the room, where it stands or at a frame."""
     placed = _placed()[name]
     kind = WORKSPACE.objects.get(placed.kind)
     sites = {
-        key: SiteRecord(site.position, site.rotation, "z" if site.free_axis else "") for key, site in kind.sites.items()
+        key: SiteRecord(site.position, site.rotation, "z" if site.free_axis else "", site.grip)  # type: ignore[arg-type]
+        for key, site in kind.sites.items()
     }
     place, rotation = placed.position, placed.rotation
     if frame is not None:
         place, rotation = tuple(frame.place.tolist()), tuple(frame.rotation.tolist())
-    return ObjectRecord(3, name, placed.kind, place, rotation, sites, kind.properties, states or kind.initial_states)
+    kept = WORKSPACE.objects.kept_shape(placed.kind) if shaped else None
+    shape = ShapeRecord(str(kept[0]), kept[1]) if kept is not None else None
+    states = states or kind.initial_states
+    return ObjectRecord(3, name, placed.kind, place, rotation, sites, kind.properties, states, shape=shape)
 
 
 def frame_of(name: str) -> Transform:
@@ -85,9 +91,11 @@ class Body:
             "parameters": dict(affordance.parameters) if kind == "human" else {},
         }  # fmt: skip
         states = given.pop("states", None)
+        named = affordance.human_algorithm if kind == "human" else affordance.object_algorithm or ""
+        shaped = bool(named) and WORKSPACE.algorithms.find(named).shape
         return Start(
             kind=kind, human=self.skeleton.to_record(), pose=PoseRecord.of(self.rotations, self.root),
-            object=record(name, frame, states), **(fields | given),
+            object=record(name, frame, states, shaped=shaped), **(fields | given),
         )  # fmt: skip
 
     def do(self, algorithm: str, start: Start) -> list[HumanPose]:

@@ -35,7 +35,7 @@ def test_every_finger_touches_the_wall(name: str, side: str) -> None:
     for link, gap in gaps(body, side, frame_of(CUP)).items():
         assert abs(gap) < 0.004, link
     palm = body.grip(0 if side == "right" else 1).place - frame_of(CUP).place
-    assert np.hypot(*palm[:2]) == pytest.approx(RADIUS, abs=1e-3)
+    assert np.hypot(*palm[:2]) == pytest.approx(RADIUS, abs=1.5e-3)
 
 
 def test_the_thumb_goes_to_the_other_side() -> None:

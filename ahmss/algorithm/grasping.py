@@ -1,0 +1,115 @@
+"""A grasp's task: from what main says (object, shape, site, hand) to a grip of `ahmss.grasping`.
+
+What the shipped algorithms that take hold of something share, and an author may use.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.algorithm.place import Transform
+from ahmss.algorithm.task import HumanFrame, HumanTask, ObjectTask
+from ahmss.body.array import Array
+from ahmss.body.links import fingers
+from ahmss.body.quaternion import slerp
+from ahmss.errors import AlgorithmError
+from ahmss.grasping.field import Field
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import DEEP, Holding, opener
+from ahmss.grasping.power import power
+from ahmss.grasping.precision import SPAN, precision
+
+__all__ = ["Closing", "closing", "from_skin"]
+
+_LOOKS = np.linspace(0.15, 0.9, 6)  # shares of the way at which the closing fingers are looked at
+_SOONER = 1.5  # the palm is there before the fingers have closed, by this much
+
+
+@dataclass(frozen=True)
+class Closing:
+    """A grip in the world.
+
+    palm: its frame. shape: (14, 4) rotations of the fingers, in the order of links. wide: (14, 4) of the fingers as
+    they must open first; None where they can close from where they are.
+    """
+
+    palm: Transform
+    shape: Array
+    wide: Array | None
+
+
+def closing(task: HumanTask, side: str, most: float) -> Closing:
+    """The grip that the action's site asks for: power, about its z, where it says nothing.
+
+    Args:
+        task: whose object has a shape.
+        side: the hand.
+        most: metres that the palm may go to it.
+
+    Raises:
+        AlgorithmError: the hand is farther away, or can't hold the object there.
+    """
+    thing = task.object
+    assert thing is not None
+    to_object = thing.frame.inverse()
+    site, grip = to_object.then(task.site or thing.frame), to_object.then(task.start.grip(side))
+    field = _field(task, site.place)
+    far = float(field.clearance(grip.place))
+    if far > 2.0 * most:
+        raise AlgorithmError(f"the palm is {far:.2f} m from {thing.name}; reach for it first")
+    named = thing.sites.get(task.message.site)
+    hand = Hand.of(task.human, side)
+    grips = precision if named is not None and named.grip == "precision" else power
+    holding = grips(hand, field, grip.row(), site.row())
+    if holding is None or not holding.holds:
+        raise AlgorithmError(_why(thing.name, holding))
+    palm = Transform.of(holding.palm)
+    far = float(np.linalg.norm(palm.place - grip.place))
+    if far > most:
+        raise AlgorithmError(f"the palm is {far:.2f} m from where it holds {thing.name}; reach for it first")
+    present = task.start.rotations[list(fingers(side))]
+    return Closing(thing.frame.then(palm), holding.shape, _wide(hand, field, grip, present, holding))
+
+
+def from_skin(task: ObjectTask, human: HumanFrame, side: str) -> float:
+    """How far the nearest of palm and fingers is from the shape of the object, metres, negative inside."""
+    named = task.object.sites.get(task.message.site)
+    field = _field(task, np.zeros(3) if named is None else np.array(named.position))
+    hand, palm = Hand.of(task.human, side), task.object.frame.inverse().then(human.grip(side))
+    skin = -hand.depth(field, palm.row()[None], human.rotations[None, list(fingers(side))])
+    return min(float(field.clearance(palm.place)), skin)
+
+
+def _field(task: HumanTask | ObjectTask, place: Array) -> Field:
+    """The distances from the object's shape around a place (3,) in its frame.
+
+    Raises:
+        AlgorithmError: nothing of it is there.
+    """
+    assert task.object is not None
+    assert task.object.shape is not None
+    try:
+        return task.object.shape.field(place)
+    except ValueError:
+        raise AlgorithmError(f"{task.object.name} has nothing to hold at its site {task.message.site!r}") from None
+
+
+def _why(name: str, holding: Holding | None) -> str:
+    """The sentence where no grip holds."""
+    if holding is None:
+        return f"the hand can't close around {name} there; it spans {SPAN:.2f} m, and must come to it from outside"
+    if holding.depth >= DEEP:
+        return f"the hand can't hold {name} there: something of it is in the way"
+    return f"the hand can't hold {name} there: it is too wide for thumb and fingers to come to opposite sides"
+
+
+def _wide(hand: Hand, field: Field, grip: Transform, present: Array, holding: Holding) -> Array | None:
+    """The fingers (14, 4) as they must open first, if closing from the present ones (14, 4) would go through it."""
+    palm, arrived = Transform.of(holding.palm), np.minimum(_SOONER * _LOOKS, 1.0)
+    places = grip.place + arrived[:, None] * (palm.place - grip.place)
+    palms = np.concatenate([places, slerp(grip.rotation, palm.rotation, arrived)], axis=1)
+    if hand.depth(field, palms, slerp(present, holding.shape, _LOOKS[:, None])) < DEEP:
+        return None
+    return opener(hand, holding)
