@@ -68,6 +68,9 @@ def _object(workspace: Workspace, name: str, motions: set[str]) -> Iterator[str]
 def _affordance(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> Iterator[str]:
     """Whether its algorithms exist, are of the right kind and take its parameters."""
     place = f"{workspace.label(kind.directory / 'object.toml')}: affordances.{affordance.name}"
+    if affordance.of:
+        yield from _forwarded(workspace, kind, affordance, place)
+        return
     known: set[str] | None = set()
     for key, name in (("human", affordance.human_algorithm), ("object", affordance.object_algorithm)):
         if name is None:
@@ -85,6 +88,17 @@ def _affordance(workspace: Workspace, kind: ObjectKind, affordance: Affordance) 
     for parameter in affordance.parameters:
         if known is not None and parameter not in known:
             yield f'{place}.parameters: no parameter "{parameter}"{one_of(parameter, known)}'
+
+
+def _forwarded(workspace: Workspace, kind: ObjectKind, affordance: Affordance, place: str) -> Iterator[str]:
+    """Whether what it contains affords the action."""
+    inner = next(entry.kind for entry in kind.contains if entry.name == affordance.of)
+    try:
+        affords = workspace.objects.get(inner).affordances
+    except AhmssError:  # is told of its own kind
+        return
+    if affordance.name not in affords:
+        yield f'{place}.of: "{affordance.of}" does not afford it; it affords: {", ".join(affords) or "nothing"}'
 
 
 def _filled(place: str, entry: AlgorithmEntry, affordance: Affordance) -> Iterator[str]:

@@ -17,7 +17,7 @@ from ahmss.database.statefile import affording, read_appearances, read_condition
 from ahmss.database.workspace import Workspace
 from ahmss.errors import WorkspaceError
 
-__all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ObjectFile", "SiteEntry", "read_object"]
+__all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ForwardEntry", "ObjectFile", "SiteEntry", "read_object"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 Place = tuple[str | int, ...]
@@ -61,6 +61,13 @@ class AffordanceEntry(msgspec.Struct, forbid_unknown_fields=True):
     needs: dict[str, float] = {}
     frames: int = 60
     hold: Literal["", "take", "keep", "release"] = ""
+
+
+class ForwardEntry(msgspec.Struct, forbid_unknown_fields=True):
+    """[affordances.NAME] of what the object contains."""
+
+    of: str
+    sentence: str = ""
 
 
 class ObjectFile(msgspec.Struct, forbid_unknown_fields=True):
@@ -116,6 +123,12 @@ class _Reader:
         for state in top.states:
             self._name(state, ("states", state))
         states = read_states(self.document, top.states)
+        contains = self._contains(top)
+        for name_of, raw in top.affordances.items():
+            of = raw.get("of", "")
+            if of and of not in [entry.name for entry in contains]:
+                have = ", ".join(entry.name for entry in contains) or "nothing"
+                raise self.error(("affordances", name_of, "of"), f'contains no "{of}"; this object contains: {have}')
         sites = {n: self._site(v, ("sites", n)) for n, v in top.sites.items()}
         return ObjectKind(
             name=name,
@@ -136,7 +149,7 @@ class _Reader:
             consequences=read_consequences(self.document, top.consequences, states),
             falls=top.falls,
             affordances={n: self._affordance(n, v, sites, states) for n, v in top.affordances.items()},
-            contains=self._contains(top),
+            contains=contains,
         )
 
     def _path(self, text: str | None, place: Place) -> Path | None:
@@ -202,6 +215,9 @@ class _Reader:
         self, name: str, raw: dict[str, Any], sites: dict[str, Site], states: dict[str, State]
     ) -> Affordance:
         place: Place = ("affordances", self._name(name, ("affordances", name)))
+        if "of" in raw:
+            forward = self.document.convert(raw, ForwardEntry, place)
+            return Affordance(name, "", sentence=forward.sentence, of=forward.of)
         entry = self.document.convert(raw, AffordanceEntry, place)
         if entry.site is not None and entry.site not in sites:
             have = ", ".join(sites) or "none"

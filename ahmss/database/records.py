@@ -55,6 +55,7 @@ class Affordance(msgspec.Struct, frozen=True):
     needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands (0 to 2).
     hold: "" (an object algorithm claims the object for the motion only), "take" (the object is claimed and its
     algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go).
+    of: the name of what the object contains and what affords the action in its place; "": the object itself.
     """
 
     name: str
@@ -69,6 +70,7 @@ class Affordance(msgspec.Struct, frozen=True):
     needs: dict[str, float] = {}
     frames: int = 60
     hold: str = ""
+    of: str = ""
 
 
 class Contained(msgspec.Struct, frozen=True, gc=False):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from ahmss.database.workspace import Workspace
-from ahmss.errors import AhmssError, CommandError
+from ahmss.errors import AhmssError
+from ahmss.main.afforded import Actor, meant, offered
 from ahmss.main.communication import Communication
 from ahmss.main.database import find_object
 from ahmss.main.dialogue import Listing
@@ -15,10 +16,14 @@ __all__ = ["WorldCatalogue"]
 
 
 class WorldCatalogue:
-    """The dialogue's view of world and database; may be asked from another thread than the frame loop's."""
+    """The dialogue's view of world and database; may be asked from another thread than the frame loop's.
 
-    def __init__(self, workspace: Workspace, communication: Communication) -> None:
-        self._workspace, self._communication = workspace, communication
+    Args:
+        actor: gives the human that is to act, as it is now.
+    """
+
+    def __init__(self, workspace: Workspace, communication: Communication, actor: Callable[[], Actor]) -> None:
+        self._workspace, self._communication, self._actor = workspace, communication, actor
 
     def objects(self) -> Listing:
         """The objects in the world, each with its kind's sentence and its states."""
@@ -35,12 +40,18 @@ class WorldCatalogue:
         return Listing("objects in the world", tuple(entries))
 
     def actions(self, name: str) -> Listing:
-        """What an object affords in its present states."""
+        """What an object affords to this human now."""
         full, record = self._record(name)
-        kind = self._workspace.objects.get(record.kind)
-        states = {state: value for state, value in record.states.items() if not isinstance(value, bool)}
-        actions = kind.afforded(states)
-        return Listing(f"what {full} affords", tuple((name, action.sentence) for name, action in actions.items()))
+        kind, actor = self._workspace.objects.get(record.kind), self._actor()
+        entries: list[tuple[str, str]] = []
+        for action in kind.affordances.values():
+            try:
+                what = meant(self._workspace, self._communication, full, action.name)
+            except AhmssError:  # what contained it is gone, or its file is broken: it is no choice now
+                continue
+            if offered(what, actor):
+                entries.append((action.name, action.sentence or what.affordance.sentence))
+        return Listing(f"what {full} affords", tuple(entries))
 
     def kinds(self) -> Listing:
         """The kinds of the object database, broken ones with what is wrong."""
@@ -49,10 +60,8 @@ class WorldCatalogue:
 
     def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:
         """What an action asks for, and its usual number of frames (0: as many as it needs)."""
-        _, record = self._record(name)
-        affordance = self._workspace.objects.get(record.kind).affordances.get(action)
-        if affordance is None:
-            raise CommandError(f'{name} does not afford "{action}"')
+        full, _ = self._record(name)
+        affordance = meant(self._workspace, self._communication, full, action).affordance
         return affordance.asks, affordance.frames
 
     def states(self, name: str) -> Sequence[str]:

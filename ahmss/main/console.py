@@ -59,7 +59,7 @@ class Console:
     """
 
     def __init__(self, main: MainProcess, terminal: Terminal, *, waits: bool) -> None:
-        self.catalogue = WorldCatalogue(main.workspace, main.communication)
+        self.catalogue = WorldCatalogue(main.workspace, main.communication, lambda: main.actor)
         self._main, self._terminal, self._waits = main, terminal, waits
         self._dialogue = Dialogue(self.catalogue)
         self._over = False

@@ -15,15 +15,13 @@ from msgspec import UNSET
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
-from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
-from ahmss.body.skeleton import Skeleton
 from ahmss.database.missing import check_files
 from ahmss.database.parameter import fill
-from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel, ObjectKind
+from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
+from ahmss.main.afforded import Actor, Meant, meant, why_not
 from ahmss.main.command import Act, Value
 from ahmss.main.description import Description, Scene, describe, four, triple
 from ahmss.world.schema import ObjectRecord
@@ -61,17 +59,6 @@ class Order:
         return f"{self.object} {self.affordance.name}"
 
 
-@dataclass(frozen=True, slots=True)
-class Actor:
-    """The human that acts: its name in the world, its body, where it is and what it holds in which hand."""
-
-    name: str
-    skeleton: Skeleton
-    root: Array
-    rotations: Array
-    holds: dict[str, str]
-
-
 class Database:
     """What main asks objectdb/, humandb/ and algorithms/; files are read anew when they change."""
 
@@ -107,9 +94,8 @@ class Database:
             DataError: a file that it needs is wrong.
         """
         name = self._object_of(act, scene)
-        record = scene.objects[name]
-        kind = self.workspace.objects.get(record.kind)
-        affordance = _affordance(kind, name, act.action)
+        what = meant(self.workspace, scene, name, act.action)
+        name, kind, affordance = what.name, what.kind, what.affordance
         human = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
         mover = affordance.object_algorithm
         entry = self.workspace.algorithms.find(mover, kind.directory) if mover else None
@@ -139,19 +125,10 @@ class Database:
         record = scene.objects.get(order.object)
         if record is None:
             raise CommandError(f"{order.title}: there is no {order.object} any more")
-        affordance = order.affordance
-        states = {name: value for name, value in record.states.items() if not isinstance(value, bool)}
-        if affordance.when is not None and not affordance.when.holds(states):
-            now = ", ".join(f"{name} is {value}" for name, value in states.items()) or "it has no states"
-            raise CommandError(f"{order.title}: only when {affordance.when.text}; {now}")
-        _check_needs(order, actor)
-        if affordance.hold in ("keep", "release") and order.object not in actor.holds:
-            by = f"; {record.holder} holds it" if record.holder else ""
-            if record.holder == actor.name:
-                by = "; it was let go just now"
-            raise CommandError(f"{order.title}: {actor.name} does not hold it{by}")
-        if affordance.hold == "take" and order.object in actor.holds:
-            raise CommandError(f"{order.title}: {actor.name} holds it already")
+        kind = self.workspace.objects.get(record.kind)
+        reason = why_not(Meant(order.object, record, kind, order.affordance), actor, order.title)
+        if reason:
+            raise CommandError(reason)
 
     def start(
         self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float, *, carried: bool = False
@@ -240,14 +217,6 @@ def find_object(scene: Scene, name: str) -> str:
     raise CommandError(f'no object "{name}" in the world; {hint}')
 
 
-def _affordance(kind: ObjectKind, name: str, action: str) -> Affordance:
-    affordance = kind.affordances.get(action)
-    if affordance is None:
-        actions = ", ".join(kind.affordances) or "nothing"
-        raise CommandError(f'{name} does not afford "{action}"; it affords: {actions}')
-    return affordance
-
-
 def _refuse_unknown(
     title: str,
     typed: tuple[tuple[str, Value], ...],
@@ -294,27 +263,6 @@ def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str
     hand = "left" if float((pose[:3] - actor.root) @ left) > _ASIDE else "right"
     other = "right" if hand == "left" else "left"
     return other if hand in busy and other not in busy else hand
-
-
-def _check_needs(order: Order, actor: Actor) -> None:
-    """Refuse what this body can't do."""
-    has = {
-        "reach": reach(actor.skeleton),
-        "stature": actor.skeleton.stature,
-        "free_hands": 2.0 - len(set(actor.holds.values()) - {""}),
-    }
-    for need, least in order.affordance.needs.items():
-        if has.get(need, math.inf) < least - 1e-9:
-            raise CommandError(f"{order.title}: needs {need} {least:g}; {actor.name} has {has[need]:.4g}")
-
-
-def reach(skeleton: Skeleton) -> float:
-    """How high the palm reaches with a raised arm, metres."""
-    rotations, root = skeleton.upright()
-    places, _ = forward(rotations, root, skeleton.offsets)
-    arm = float(np.linalg.norm(skeleton.offsets[INDEX["right_lower_arm"]]))
-    forearm = float(np.linalg.norm(skeleton.offsets[INDEX["right_hand"]]))
-    return float(places[INDEX["right_upper_arm"], 2]) + arm + forearm + float(skeleton.grips[0, 0])
 
 
 def _side(hand: str) -> Any:

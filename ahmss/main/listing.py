@@ -116,7 +116,9 @@ def _actions(kind: ObjectKind) -> Rows:
         {
             "action": action.name, "sentence": action.sentence, "asks": ", ".join(action.asks),
             "frames": action.frames,
-            "algorithms": " + ".join(filter(None, (action.human_algorithm, action.object_algorithm))),
+            "algorithms": f"as its {action.of} affords it"
+            if action.of
+            else " + ".join(filter(None, (action.human_algorithm, action.object_algorithm))),
         }
         for action in kind.affordances.values()
     ]  # fmt: skip

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from ahmss.database import Workspace
-from ahmss.database.objectfile import AffordanceEntry, ContainedEntry, ObjectFile, SiteEntry
+from ahmss.database.objectfile import AffordanceEntry, ContainedEntry, ForwardEntry, ObjectFile, SiteEntry
 from ahmss.database.statefile import AppearanceEntry, ConsequenceEntry, StateEntry
 from ahmss.errors import DataError
 
@@ -18,7 +18,9 @@ from .conftest import add_object
 PAGE = (Path(__file__).resolve().parents[2] / "docs/writing-an-object.md").read_text(encoding="utf-8")
 
 
-ENTRIES = [ObjectFile, SiteEntry, StateEntry, AppearanceEntry, ConsequenceEntry, AffordanceEntry, ContainedEntry]
+ENTRIES = [
+    ObjectFile, SiteEntry, StateEntry, AppearanceEntry, ConsequenceEntry, AffordanceEntry, ForwardEntry, ContainedEntry,
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("struct", ENTRIES)

@@ -1,0 +1,122 @@
+"""What an object affords to one human now: by its states, by who holds it, by what the body can do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.skeleton import Skeleton
+from ahmss.database.records import Affordance, ObjectKind
+from ahmss.database.statefile import HELD
+from ahmss.database.workspace import Workspace
+from ahmss.errors import CommandError
+from ahmss.main.description import Scene
+from ahmss.world.schema import ObjectRecord
+
+__all__ = ["Actor", "Meant", "meant", "offered", "reach", "why_not"]
+
+
+@dataclass(frozen=True, slots=True)
+class Actor:
+    """The human that acts: its name in the world, its body, where it is and what it holds in which hand."""
+
+    name: str
+    skeleton: Skeleton
+    root: Array
+    rotations: Array
+    holds: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Meant:
+    """What an action of an object comes to: the object that affords it, itself or one that it contains."""
+
+    name: str
+    record: ObjectRecord
+    kind: ObjectKind
+    affordance: Affordance
+
+
+def meant(workspace: Workspace, scene: Scene, name: str, action: str) -> Meant:
+    """The object and the affordance that an action means.
+
+    Raises:
+        CommandError: the object does not afford it, or what it contains is not in the world any more.
+        DataError: a kind's file is wrong.
+    """
+    record = scene.objects[name]
+    kind = workspace.objects.get(record.kind)
+    affordance = kind.affordances.get(action)
+    if affordance is None:
+        actions = ", ".join(kind.affordances) or "nothing"
+        raise CommandError(f'{name} does not afford "{action}"; it affords: {actions}')
+    if not affordance.of:
+        return Meant(name, record, kind, affordance)
+    inner = f"{name}/{affordance.of}"
+    if inner not in scene.objects:
+        raise CommandError(f"{name} {action}: its {affordance.of} is not in the world any more")
+    return meant(workspace, scene, inner, action)
+
+
+def why_not(what: Meant, actor: Actor, title: str = "") -> str:
+    """Why the human can't do it now, in one sentence that begins with the title; "" where it can."""
+    affordance, record = what.affordance, what.record
+    title = title or f"{what.name} {affordance.name}"
+    held = _held(what, actor)
+    mine = held == "here"
+    states = {name: value for name, value in record.states.items() if not isinstance(value, bool)}
+    if affordance.when is not None and not affordance.when.holds({**states, HELD: held}):
+        shown = {**states, HELD: held} if any(c.state == HELD for c in affordance.when.clauses()) else states
+        now = ", ".join(f"{name} is {value}" for name, value in shown.items()) or "it has no states"
+        return f"{title}: only when {affordance.when.text}; {now}"
+    lacks = _lacks(affordance, actor)
+    if lacks:
+        return f"{title}: {lacks}"
+    if affordance.hold in ("keep", "release") and not mine:
+        by = f"; {record.holder} holds it" if record.holder else ""
+        if record.holder == actor.name:
+            by = "; it was let go just now"
+        return f"{title}: {actor.name} does not hold it{by}"
+    if affordance.hold == "take" and mine:
+        return f"{title}: {actor.name} holds it already"
+    return ""
+
+
+def offered(what: Meant, actor: Actor) -> bool:
+    """Whether it is a choice: the human can do it, and nobody else has what its object algorithm would move."""
+    moves = what.affordance.object_algorithm is not None
+    return not why_not(what, actor) and not (moves and _held(what, actor) == "elsewhere")
+
+
+def _held(what: Meant, actor: Actor) -> str:
+    """Whether this human has it ("here"), another ("elsewhere"), or nobody ("no"), as far as is known here."""
+    if what.name in actor.holds:
+        return "here"
+    return "elsewhere" if what.record.holder not in ("", actor.name) else "no"
+
+
+def _lacks(affordance: Affordance, actor: Actor) -> str:
+    """What this body has too little of, or ""."""
+    has = {
+        "reach": reach(actor.skeleton),
+        "stature": actor.skeleton.stature,
+        "free_hands": 2.0 - len(set(actor.holds.values()) - {""}),
+    }
+    for need, least in affordance.needs.items():
+        if has.get(need, math.inf) < least - 1e-9:
+            return f"needs {need} {least:g}; {actor.name} has {has[need]:.4g}"
+    return ""
+
+
+def reach(skeleton: Skeleton) -> float:
+    """How high the palm reaches with a raised arm, metres."""
+    rotations, root = skeleton.upright()
+    places, _ = forward(rotations, root, skeleton.offsets)
+    arm = float(np.linalg.norm(skeleton.offsets[INDEX["right_lower_arm"]]))
+    forearm = float(np.linalg.norm(skeleton.offsets[INDEX["right_hand"]]))
+    return float(places[INDEX["right_upper_arm"], 2]) + arm + forearm + float(skeleton.grips[0, 0])

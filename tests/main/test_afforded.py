@@ -1,0 +1,146 @@
+"""What the dialogue lists is what the human can do now; what an object contains may afford an action in its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from ahmss.algorithm import messages
+from ahmss.body.array import Array
+from ahmss.database import Workspace
+from ahmss.database.check import check
+from ahmss.errors import CommandError, DataError
+from ahmss.main.afforded import Actor
+from ahmss.main.catalogue import WorldCatalogue
+from ahmss.main.command import Act
+from ahmss.main.database import Database
+from ahmss.world.schema import ObjectRecord
+
+SHIPPED = Workspace(Path(__file__).resolve().parents[2])
+KEN = SHIPPED.humans.get("ken").skeleton
+
+
+class Room:
+    """A scene of the shipped room's objects."""
+
+    def __init__(self, workspace: Workspace = SHIPPED, kind: str = "room") -> None:
+        self.placed = {one.name: one for one in workspace.objects.place(kind, kind)}
+        self.objects = {
+            name: ObjectRecord(
+                i, name, one.kind, one.position, one.rotation, one.parent,
+                states=dict(workspace.objects.get(one.kind).initial_states),
+            )
+            for i, (name, one) in enumerate(self.placed.items())
+        }  # fmt: skip
+
+    def pose(self, name: str) -> Array:
+        return np.array((*self.placed[name].position, *self.placed[name].rotation))
+
+    def others(self) -> list[messages.ObjectRecord]:
+        return []
+
+    def held(self, name: str, holder: str) -> None:
+        self.objects[name] = replace(self.objects[name], holder=holder, hand="right")
+
+
+def ken(**holds: str) -> Actor:
+    rotations, root = KEN.upright()
+    return Actor("ken", KEN, root, rotations, {name.replace("__", "/"): hand for name, hand in holds.items()})
+
+
+def actions(room: Room, name: str, actor: Actor, workspace: Workspace = SHIPPED) -> set[str]:
+    return set(WorldCatalogue(workspace, room, lambda: actor).actions(name).names)  # type: ignore[arg-type]
+
+
+def test_a_cup_in_the_hand_affords_drinking_and_putting_down_but_not_grasping() -> None:
+    room = Room()
+    free = actions(room, "cup", ken())
+    assert {"reach", "grasp"} <= free
+    assert not {"drink", "put", "release", "lift"} & free
+    room.held("room/cup", "ken")
+    taken = actions(room, "cup", ken(room__cup="right"))
+    assert {"drink", "put", "release"} <= taken
+    assert not {"reach", "grasp"} & taken
+
+
+def test_what_another_holds_and_what_full_hands_can_not_do_is_no_choice() -> None:
+    room = Room()
+    room.held("room/cup", "aiko")
+    assert not {"reach", "grasp", "drink"} & actions(room, "cup", ken())
+    assert "sit" in actions(room, "chair", ken(a="right", b="left"))
+    assert "open" not in actions(room, "door", ken(a="right", b="left"))
+    assert "open" in actions(room, "door", ken(a="right"))
+
+
+def test_a_door_that_is_open_can_only_be_closed() -> None:
+    room = Room()
+    assert actions(room, "door", ken()) >= {"open"}
+    assert "close" not in actions(room, "door", ken())
+    room.objects["room/doorway/door"].states["angle"] = 0.5
+    assert "open" not in actions(room, "door", ken())
+    assert "close" in actions(room, "door", ken())
+
+
+PANEL = """\
+[affordances.press]
+of = "button"
+
+[[contains]]
+kind = "button"
+"""
+BUTTON = """\
+[states.position]
+values = ["out", "in"]
+
+[affordances.press]
+human_algorithm = "push"
+sentence = "Push it in."
+asks = ["hand"]
+when = "position == out"
+frames = 33
+"""
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Workspace:
+    for kind, text in (("panel", PANEL), ("button", BUTTON)):
+        (tmp_path / "objectdb" / kind).mkdir(parents=True)
+        (tmp_path / "objectdb" / kind / "object.toml").write_text(text)
+    (tmp_path / "humandb").mkdir()
+    push = tmp_path / "algorithms" / "push"
+    push.mkdir(parents=True)
+    (push / "algorithm.toml").write_text('kind = "human"\nargv = ["python", "push.py"]\n')
+    (push / "push.py").write_text("")
+    return Workspace(tmp_path)
+
+
+def test_a_panel_is_pressed_by_its_button(workspace: Workspace) -> None:
+    room = Room(workspace, "panel")
+    catalogue = WorldCatalogue(workspace, room, ken)  # type: ignore[arg-type]
+    assert catalogue.actions("panel").entries == (("press", "Push it in."),)
+    assert catalogue.asks("panel", "press") == (("hand",), 33)
+    order = Database(workspace).order(Act("panel", "press"), room, ken())
+    assert (order.object, order.title, order.hand) == ("panel/button", "panel/button press", "right")
+    room.objects["panel/button"].states["position"] = "in"
+    assert actions(room, "panel", ken(), workspace) == set()
+    with pytest.raises(CommandError, match="panel/button press: only when position == out; position is in"):
+        Database(workspace).check(order, room, ken())
+    del room.objects["panel/button"]
+    with pytest.raises(CommandError, match="panel press: its button is not in the world any more"):
+        Database(workspace).order(Act("panel", "press"), room, ken())
+
+
+def test_a_panel_that_names_a_wrong_part_or_action_is_told(workspace: Workspace) -> None:
+    file = workspace.root / "objectdb/panel/object.toml"
+    file.write_text(PANEL.replace('of = "button"', 'of = "lever"'))
+    with pytest.raises(
+        DataError, match=r'affordances.press.of \(line 2\): contains no "lever"; this object contains: button'
+    ):
+        workspace.objects.get("panel")
+    file.write_text(PANEL.replace("affordances.press", "affordances.pull"))
+    assert check(workspace).problems == (
+        'objectdb/panel/object.toml: affordances.pull.of: "button" does not afford it; it affords: press',
+    )
