@@ -16,6 +16,7 @@ from ahmss.motion import clip as clips
 from ahmss.walking.build import build
 from ahmss.walking.captures import Report, files_in, gather
 from ahmss.walking.fitting import Pose
+from ahmss.walking.legs import foot_frames, solve_legs
 from ahmss.walking.library import BODY, RATE, Library, load, save
 from ahmss.walking.nominal import length_of
 from ahmss.walking.performer import Stand
@@ -91,6 +92,8 @@ def show_library(path: Path | None, workspace: Path | None, *, as_json: bool) ->
 def export_clip(path: Path | None, name: str, out: Path, workspace: Path | None, *, force: bool) -> None:
     """Write one clip of a library as a motion clip, its fingers relaxed; a path of None: the floor's library.
 
+    Its legs are solved onto its feet as they are in a walk: a library's knees are of no matter to walks.
+
     Raises:
         CommandError: there is no such clip, or the file is there already.
     """
@@ -110,6 +113,7 @@ def export_clip(path: Path | None, name: str, out: Path, workspace: Path | None,
     skeleton = model.skeleton if model is not None else Skeleton.of(name=library.human)
     rotations = np.repeat(skeleton.relaxed()[0][None], len(walk.root), axis=0)
     rotations[:, :BODY] = walk.rotations
+    solve_legs(skeleton, rotations, walk.root, *foot_frames(skeleton, walk.rotations, walk.root))
     root = walk.root.copy()
     if walk.key.kind in ("straight", "end"):  # a motion clip begins under the hips, where they face
         root[:, 1] -= root[0, 1]
