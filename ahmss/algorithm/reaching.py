@@ -31,6 +31,8 @@ MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for, a
 _TOLD = 0.003  # metres
 MOST_MISSED = 0.06  # metres that are not told of who was carried to a thing
 _RELAXED = 0.9  # seconds of a reach on the way
+_SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
+_LEVEL = np.array([1.0, 1.0, 0.0])
 _EASE = 0.08  # metres by which the arm is not to be stretched
 _RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so slowly for so long has arrived
 _HEAD = 0.05  # the head's importance: what else looks somewhere has it
@@ -110,20 +112,25 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         goal: where the palm shall be.
         shape: for a side the links of the fingers and the rotations that they come to.
     """
-    sides, gaze, begun = sides_of(task), Looking(task, goal.place), 0
-    waits = range(1, 1 + max(0, min(task.length // 3, task.length - round(_RELAXED * task.rate))))
+    sides, gaze, begun, relaxed = sides_of(task), Looking(task, goal.place), 0, round(_RELAXED * task.rate)
+    waits = range(1, 1 + max(min(2, task.length // 3), min(task.length // 3, task.length - relaxed)))
+    last = task.present.root.copy()
     for begun in waits if task.length else _until_near(task, goal, sides):  # noqa: B007 - counted for later
+        last = task.present.root.copy()
         yield gaze.alone()
-    length = task.length or begun + round(_RELAXED * task.rate)
+    length = task.length or begun + relaxed
     carried = Carried(task.human, goal, task.present.rotations, task.present.root, sides)
     links, end = shape(carried.reacher.side)
     before = task.present.rotations[links].copy()
     for k in range(begun + 1, length + 1):
-        rotations, root = task.present.rotations, task.present.root
+        rotations, on = task.present.rotations, task.present.root - last
+        last = task.present.root.copy()
+        root = last + on  # about where it will be carried by this frame
         if k == length:
             _tell_missed(task, carried)
         time = (k - begun) / (length - begun)
-        made, palm, spine = carried.step(rotations, root, time)
+        made, palm, spine = carried.step(rotations, root, time, _SLOWER * (length - k) * on * _LEVEL)
+        made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
         made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
         targets, importance = gaze.rows(np.array([k])), np.zeros(44)
         targets[:, carried.reacher.row, :7], targets[:, carried.reacher.row, 7] = palm, 1.0

@@ -18,20 +18,19 @@ from ahmss.body.quaternion import align, conjugate, multiply, rotate, slerp, to_
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
-from ahmss.reaching.comfort import discomfort, solved
+from ahmss.reaching.comfort import across, discomfort, solved
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.path import lifted
-from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.waist import bent_towards
 
 __all__ = ["Carried"]
 
 _SPINE = INDEX["spine"]
 _NEAR = 0.85  # of the arm's length: how near the body is taken to be carried
-_RIGHT_HANDED = 0.15  # what the left hand costs more
 _FIRST, _LAST = 0.14, 0.1  # metres by which the palm is lifted after the start and before the end
 _FULL = np.radians(8.0)  # of help from the waist, at which the spine is the reach's
-_STEP = np.radians(2.0)  # by which the arm at the end is chosen anew from frame to frame
+_STEP = np.radians(1.0)  # by which the arm at the end is chosen anew from frame to frame
 _SETTLED = 0.8  # of the time: from then on the palm's end stays
 _MOVE = 0.004  # metres that its end may move in a frame before
 _MOST = 4.0  # the spine's importance then: a walk's is a tenth of it
@@ -58,7 +57,8 @@ class Carried:
             spine = _carried_on(reacher, palms[i][:, :3].mean(axis=0), rotations, root)
             cost, _, _ = discomfort(reacher, palms[i], spine, present)
             best.append(int(np.argmin(cost)))
-            found.append((float(cost[best[i]]) + (_RIGHT_HANDED if reacher.sign > 0.0 else 0.0), i))
+            aside = across(reacher, goal.place, _shoulder(reacher, rotations, root), heading_of(rotations, root))
+            found.append((float(cost[best[i]]) + aside, i))
         _, chosen = min(found)
         self.reacher, self.palm = arms[chosen], palms[chosen][best[chosen]]
         self._goal, self._spine = goal, rotations[_SPINE]
@@ -70,8 +70,14 @@ class Carried:
         back = conjugate(turn)
         self._on_body = np.concatenate([rotate(back, grip[:3] - place), multiply(back, grip[3:])])
 
-    def step(self, rotations: Array, root: Array, time: float) -> tuple[Array, Array, float]:
+    def step(self, rotations: Array, root: Array, time: float, ahead: Array) -> tuple[Array, Array, float]:
         """The next frame at a share of the time, from the present pose (43, 4), (3,).
+
+        Args:
+            rotations: now. root: where it is about to be.
+            time: share of it.
+            ahead: (3,) how far the root is likely to be carried until the end, metres: what is still missing then is
+                the waist's to give.
 
         Returns:
             rotations (43, 4), the arm near where its target brings it; the target (7,); the spine's importance.
@@ -80,15 +86,17 @@ class Carried:
         place, turn = floor_frame(rotations, root)
         start = np.concatenate([place + rotate(turn, self._on_body[:3]), multiply(turn, self._on_body[3:])])
         palm = lifted(start, self.palm, _FIRST, _LAST).at(np.array([time]))[0]
-        wrist, _ = reacher.hand(palm)
-        bent = bent_towards(reacher, rotations[0], root, self._spine, wrist)
+        wrist, _ = reacher.hand(self.palm)
+        done = minimum_jerk(np.array(time))
+        bent = bent_towards(reacher, rotations[0], root + ahead, self._spine, wrist)
+        bent = slerp(self._spine, bent, done)
         angle = np.linalg.norm(to_rotation_vector(multiply(conjugate(self._spine), bent)))
         share = min(float(angle) / _FULL, 1.0)
         out = rotations.copy()
         out[_SPINE] = bent
         if time < _SETTLED:
             self._end_from(out, root)
-        out[reacher.links] = reacher.arm.into_pose(slerp(self._begun, self._ended, minimum_jerk(np.array(time))))
+        out[reacher.links] = reacher.arm.into_pose(slerp(self._begun, self._ended, done))
         return out, palm, _MOST * share * share * (3.0 - 2.0 * share)
 
     def _end_from(self, rotations: Array, root: Array) -> None:

@@ -16,9 +16,10 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["around_axis", "discomfort", "palms_at", "solved"]
+__all__ = ["across", "around_axis", "discomfort", "palms_at", "solved"]
 
 _OVER, _MISSING = 8.0, 60.0  # what an arm costs that no swing of the elbow serves, and a metre too far
+_ACROSS, _RIGHT_HANDED = 3.0, 0.15  # what a metre across the body costs, and the left hand at all
 _RAISED, _CHANGE = 0.25, 0.3  # what an upper arm at shoulder height costs, and an elbow swung by a radian
 _WEIGHTS = np.array([1.0, 2.0, 1.0])  # forearm's turn, hand's bend to the sides, to palm and back
 _YAWS = np.radians(np.arange(-15.0, 106.0, 10.0))
@@ -61,6 +62,13 @@ def _swung(
     swing = swing_of(arm, wrist, present_side(arm, links, wrist.place))
     phi, found = nearest_swing(allowed(swing.measures(), limits_of(arm)), np.zeros(swing.bend.shape))
     return swing.links(phi), phi, found, np.maximum(swing.missing, 0.0)
+
+
+def across(reacher: Reacher, place: Array, shoulder: Array, heading: float) -> float:
+    """What it costs an arm to come to a place (3,) on the other side of its shoulder (3,), for who faces a heading."""
+    left = np.array([-np.sin(heading), np.cos(heading), 0.0])
+    own = _RIGHT_HANDED if reacher.sign > 0.0 else 0.0
+    return own + _ACROSS * max(-reacher.sign * float((place - shoulder) @ left), 0.0)
 
 
 def around_axis(site: Array, sign: float) -> Array:

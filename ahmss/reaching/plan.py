@@ -13,13 +13,13 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
-from ahmss.motion.edit import floor_frame
+from ahmss.reaching.comfort import across
 from ahmss.reaching.duration import reach_time
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.leaning import EASY, Stretch, looking, posture_for, stretch_of
 from ahmss.reaching.path import Curve, clear_curve, curves
 from ahmss.reaching.prism import Prism, in_the_way
-from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.waist import bent_towards
 
@@ -27,7 +27,7 @@ __all__ = ["Found", "Plan", "Reaching"]
 
 _SPINE = INDEX["spine"]
 _SAMPLES = 20  # of the trunk along the way
-_RIGHT_HANDED, _STRETCH = 0.15, 25.0  # what the left hand costs more; an arm's length beyond what is easy
+_STRETCH = 25.0  # what an arm's length beyond what is easy costs
 _HAND_BY = 0.95
 """The share of the time by which the hand is there where the trunk helps: that begins with it and ends last."""
 
@@ -98,7 +98,7 @@ class Reaching:
         self.skeleton = skeleton
         self.start = Posture(rotations, root)
         self.standing = None if carried else Standing.of(skeleton, rotations, root)
-        self.heading = _heading(rotations, root)
+        self.heading = heading_of(rotations, root)
         self.base = self.start if self.standing is None else self.standing.base
 
     def present(self, reacher: Reacher) -> Array:
@@ -118,7 +118,8 @@ class Reaching:
             palms, present = self.palms(reacher, goal), self.present(reacher)
             _, arm = stretch_of(reacher, palms, self.base, present, in_the_way(prisms, self.base.root, goal.place))
             beyond = max(arm.stretched - EASY, 0.0)
-            costs.append((arm.cost + _STRETCH * beyond + (_RIGHT_HANDED if reacher.sign > 0.0 else 0.0), i))
+            shoulder = reacher.shoulder(seat(self.skeleton, self.base.rotations, self.base.root))
+            costs.append((arm.cost + _STRETCH * beyond + across(reacher, goal.place, shoulder, self.heading), i))
         return arms[min(costs)[1]] if costs else arms[0]
 
     def postures(self, reacher: Reacher, goal: Goal, prisms: Sequence[Prism]) -> Iterator[Found]:
@@ -148,12 +149,6 @@ class Reaching:
         seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
         seats = seat(self.skeleton, seen, trunk.root)
         return replace(plan, curve=clear_curve(reacher, family, seats, self.present(reacher), near))
-
-
-def _heading(rotations: Array, root: Array) -> float:
-    """Where the hips face, radians."""
-    _, turned = floor_frame(rotations, root)
-    return float(2.0 * np.arctan2(turned[3], turned[0]))
 
 
 def _angle(a: Array, b: Array) -> float:

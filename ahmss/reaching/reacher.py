@@ -12,8 +12,9 @@ from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.edit import floor_frame
 
-__all__ = ["SIDES", "Reacher", "seat"]
+__all__ = ["SIDES", "Reacher", "heading_of", "seat"]
 
 SIDES = ("right", "left")
 _SPINE = INDEX["spine"]
@@ -77,3 +78,9 @@ def seat(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Arra
     hips = rotations[..., 0, :]
     place = root + rotate(hips, np.broadcast_to(skeleton.offsets[_SPINE], root.shape))
     return place, multiply(hips, rotations[..., _SPINE, :])
+
+
+def heading_of(rotations: Array, root: Array) -> float:
+    """Where the hips of a pose (43, 4), (3,) face, radians."""
+    _, turned = floor_frame(rotations, root)
+    return float(2.0 * np.arctan2(turned[3], turned[0]))

@@ -1,0 +1,190 @@
+"""reach: the palm comes to a place in the world, from standing and while carried, with the better hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm.messages import Goal
+from ahmss.algorithm.performance import Performance
+from ahmss.body.inverse import GAZE, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND, grips, solve
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
+from ahmss.errors import AlgorithmError
+from ahmss.motion.planting import feet
+from ahmss.motion.smoothness import worst_pop
+
+from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program
+
+FREE: dict[str, Any] = {"frames": 0, "wish": True, "hand": "", "parameters": {}}
+
+
+def turned(a: np.ndarray, b: np.ndarray) -> float:
+    """Degrees between two rotations."""
+    return float(np.degrees(np.linalg.norm(to_rotation_vector(multiply(conjugate(a), b)))))
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_a_point_in_the_air_is_reached_with_a_hand_turned_as_told(name: str) -> None:
+    body = Body(name, facing=0.0)  # fingers ahead, the palm looking inward and down
+    ahead = multiply(from_axis_angle(np.array([0.0, 1.0, 0.0]), -np.pi / 2), body.grip().rotation)
+    flat = tuple(multiply(from_axis_angle(np.array([1.0, 0.0, 0.0]), -1.0), ahead).tolist())
+    body.do("reach", body.start(FLOOR, "stand", **FREE, goal=Goal(place=(0.4, -0.2, 1.1), rotation=flat)))
+    np.testing.assert_allclose(body.grip().place, [0.4, -0.2, 1.1], atol=1e-3)
+    assert turned(body.grip().rotation, np.array(flat)) < 1.0
+
+
+def test_eyes_and_head_go_first() -> None:
+    body = Body()
+    shown = body.do("reach", body.start(CUP, "reach", **FREE))
+    wall = frame_of(CUP).apply(np.array([0.0, 0.0, 0.052]))
+    head = np.array([turned(shown[0].rotations[INDEX["head"]], pose.rotations[INDEX["head"]]) for pose in shown])
+    way = np.array([np.linalg.norm(pose.targets[RIGHT_HAND, :3] - wall) for pose in shown if pose.targets[0, 7]])
+    assert {tuple(pose.targets[GAZE, :3]) for pose in shown} == {tuple(wall)}
+    half = int(np.argmax(way < 0.5 * (way[0] + way[-1]))) + len(shown) - len(way)
+    assert head[half] > 0.6 * head.max()
+    assert head[5] > 3.0 * np.degrees(1e-3)
+
+
+@pytest.mark.parametrize(("y", "facing", "row"), [(0.0, -20.0, RIGHT_HAND), (-0.45, 20.0, LEFT_HAND)])
+def test_the_nearer_hand_is_used(y: float, facing: float, row: int) -> None:
+    poses = list(frames(program("reach"), Body(y=y, facing=facing).start(CUP, "reach", **FREE)))
+    assert poses[-1].targets[row, 7] == 1.0
+    assert poses[-1].targets[1 - row, 7] == 0.0
+
+
+def test_a_hand_that_holds_something_is_not_used() -> None:
+    poses = list(frames(program("reach"), Body().start(CUP, "reach", **FREE, busy=["right"])))
+    assert poses[-1].targets[LEFT_HAND, 7] == 1.0
+    with pytest.raises(AlgorithmError, match="both hands"):
+        list(frames(program("reach"), Body().start(CUP, "reach", **FREE, busy=["left", "right"])))
+
+
+def test_the_hand_that_was_said_is_used() -> None:
+    poses = list(frames(program("reach"), Body().start(CUP, "reach", **(FREE | {"hand": "left"}))))
+    assert poses[-1].targets[LEFT_HAND, 7] == 1.0
+
+
+def test_the_trunk_stays_where_the_arm_is_long_enough() -> None:
+    body = Body(facing=0.0)
+    poses = list(frames(program("reach"), body.start(FLOOR, "stand", **FREE, goal=Goal(place=(0.3, -0.2, 1.2)))))
+    for name in ("hips", "spine", "right_upper_leg"):
+        assert poses[-1].importance[INDEX[name]] == 0.0
+    assert poses[-1].importance[43] == 0.0
+
+
+def test_the_trunk_begins_with_the_arm_and_ends_last() -> None:
+    body = Body(facing=0.0)
+    shown = body.do("reach", body.start(FLOOR, "stand", **FREE, goal=Goal(place=(0.65, -0.1, 1.0))))
+    palm = np.array([pose.targets[RIGHT_HAND, :3] for pose in shown])
+    lean = np.array([turned(pose.rotations[0], shown[0].rotations[0]) for pose in shown])
+    assert lean[-1] > 8.0
+    there = int(np.argmax(np.linalg.norm(palm - palm[-1], axis=1) < 1e-6))
+    assert there < len(shown) - 2
+    assert lean[there] < lean[-1] - 1e-3
+    assert np.argmax(lean > 0.01) < 15
+
+
+@pytest.mark.parametrize(("x", "missing"), [(1.2, r"0\.\d\d"), (2.2, r"1\.\d\d")])
+def test_what_is_out_of_reach_is_refused_with_the_distance(x: float, missing: str) -> None:
+    start = Body(facing=0.0).start(FLOOR, "stand", **FREE, goal=Goal(place=(x, 0.0, 1.2)))
+    with pytest.raises(AlgorithmError, match=rf"arm is {missing} m too short"):
+        list(frames(program("reach"), start))
+
+
+def test_knees_bend_for_what_is_low() -> None:
+    body = Body(facing=0.0)
+    before = feet(body.skeleton, body.rotations, body.root)
+    shown = body.do("reach", body.start(FLOOR, "stand", **FREE, goal=Goal(place=(0.4, -0.15, 0.12))))
+    np.testing.assert_allclose(body.grip(0).place, [0.4, -0.15, 0.12], atol=1e-3)
+    np.testing.assert_allclose(feet(body.skeleton, body.rotations, body.root), before, atol=2e-3)
+    assert shown[-1].root[2] < shown[0].root[2] - 0.1
+
+
+def test_nothing_jumps() -> None:
+    shown = Body().do("reach", Body().start(CUP, "reach", **FREE))
+    assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
+
+
+def test_asked_for_so_many_frames_it_takes_them() -> None:
+    for length in (3, 30, 100):
+        assert len(list(frames(program("reach"), Body().start(CUP, "reach", **(FREE | {"frames": length}))))) == length
+
+
+def test_who_sits_bends_at_the_waist_alone() -> None:
+    body = Body(facing=0.0)
+    for link in (INDEX["right_upper_leg"], INDEX["left_upper_leg"]):
+        back = from_axis_angle(np.array([0.0, 1.0, 0.0]), 1.5)
+        body.rotations[link] = multiply(body.rotations[link], conjugate(back))
+        body.rotations[link + 1] = multiply(body.rotations[link + 1], back)
+    body.root = body.root - np.array([0.0, 0.0, 0.4])
+    root = body.root.copy()
+    goal = Goal(place=(0.62, -0.1, 0.75))
+    shown = body.do("reach", body.start(FLOOR, "stand", **FREE, goal=goal))
+    np.testing.assert_allclose(body.grip(int(shown[-1].targets[LEFT_HAND, 7])).place, goal.place, atol=1e-3)
+    np.testing.assert_allclose(body.root, root)
+    assert shown[-1].importance[INDEX["spine"]] == 1.0
+    assert shown[-1].importance[INDEX["hips"]] == shown[-1].importance[43] == 0.0
+    assert not shown[-1].targets[RIGHT_FOOT, 7]
+
+
+def carried(length: int, moved: float, **given: Any) -> tuple[list[HumanPose], Body, list[str]]:
+    """A reach for the cup by who is carried so many metres ahead meanwhile, and comes to rest."""
+    body = Body(x=-moved, facing=0.0)
+    fields = FREE | {"frames": length} | given
+    performance = Performance(program("reach"), body.start(CUP, "reach", carried=True, **fields))
+    begun, shown = body.root.copy(), []
+    for k in range(1, 2000):
+        if not performance.step(body.row(k)):
+            break
+        pose = HumanPose.of(performance.row.copy())
+        share = min(k / (length or 200), 1.0)
+        root = begun + np.array([moved * share * (2.0 - share), 0.0, 0.0])
+        arm = pose.importance > 0.0
+        given_rotations = np.where(arm[:43, None], pose.rotations, body.rotations)
+        body.rotations = solve(body.skeleton, given_rotations, root, pose.targets)
+        body.root = root
+        shown.append(HumanPose(body.rotations, root, pose.importance, pose.targets))
+        if performance.over:
+            break
+    return shown, body, performance.news()
+
+
+@pytest.mark.parametrize(("length", "moved"), [(60, 0.8), (110, 1.5), (0, 2.0)])
+def test_while_carried_the_place_is_met_in_the_world(length: int, moved: float) -> None:
+    shown, body, notes = carried(length, moved)
+    wall = frame_of(CUP).apply(np.array([0.0, 0.0, 0.052]))
+    row = int(shown[-1].targets[LEFT_HAND, 7])
+    palm = Transform.of(grips(body.skeleton, body.rotations, body.root)[row])
+    out = rotate(palm.rotation, np.array([1.0, 0.0, 0.0]))
+    assert np.linalg.norm(palm.place + 0.066 * out - wall) < 1e-3
+    assert rotate(palm.rotation, np.array([0.0, 0.0, 1.0]))[2] > np.cos(np.radians(1.0))
+    assert not notes
+    assert len(shown) == length or not length
+    for name in ("hips", "right_upper_leg", "left_foot"):
+        assert shown[-1].importance[INDEX[name]] == 0.0
+    assert shown[-1].importance[43] == 0.0
+    assert not shown[-1].targets[RIGHT_FOOT, 7]
+    assert worst_pop(np.array([pose.rotations for pose in shown[2:]])).degrees < 1.5
+
+
+def test_who_was_not_carried_near_enough_is_told_by_how_much() -> None:
+    _, _, notes = carried(60, 0.0)
+    assert notes == []
+    body = Body(x=-1.2)
+    performance = Performance(program("reach"), body.start(CUP, "reach", carried=True, **(FREE | {"frames": 30})))
+    for k in range(1, 31):
+        assert performance.step(body.row(k))
+    (note,) = performance.news()
+    assert "arm was 1.1" in note or "arm was 1.0" in note
+    assert "`after N`" in note
+
+
+def test_without_a_site_and_a_goal_it_asks_where() -> None:
+    start = msgspec.structs.replace(Body().start(TELEVISION, "look", **FREE), site="", object=None)
+    with pytest.raises(AlgorithmError, match="reach where"):
+        list(frames(program("reach"), start))
