@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 TOUCH = 0.0015  # metres within which skin counts as touching
+AWAY = 0.03  # metres beyond which skin is not near
 SINK = 0.0003  # metres that skin gives way
 COARSE, FINE = 16, 6  # places looked at on the way, then between the last that is free and the first that is not
 MOST = np.radians([95.0, 108.0, 80.0])  # that the joints bend at most
@@ -74,9 +75,21 @@ class Fingers:
     gaps: Array
     touches: Array
 
+    def loose(self) -> Array:
+        """How far (C, 4) each finger is from the shape, metres, the mean of its links; those far away count alike."""
+        return np.clip(self.gaps, 0.0, AWAY).mean(axis=2)
 
-def close_fingers(hand: Hand, hands: Hands, solid: Solid, curls: Array) -> Fingers:
-    """Close the four fingers of each hand onto a solid, curling in the proportions of `curls` (C, 3)."""
+    def or_better(self, other: Fingers) -> Fingers:
+        """Finger by finger these or the others, whichever is better around the shape."""
+        take = (other.loose() < self.loose())[..., None]
+        return Fingers(
+            np.where(take, other.flexion, self.flexion), np.where(take, other.gaps, self.gaps),
+            np.where(take[..., None], other.touches, self.touches),
+        )  # fmt: skip
+
+
+def close_fingers(hand: Hand, hands: Hands, solid: Solid, curl: Array) -> Fingers:
+    """Close the four fingers of each hand onto a solid, curling in the proportions of `curl` (3,)."""
 
     def gaps_from(joint: int, start: Array) -> Callable[[Array], Array]:
         """The gaps (C, 4, n, links) of the links from a joint on, along paths of flexions (C, 4, n, 3).
@@ -95,7 +108,7 @@ def close_fingers(hand: Hand, hands: Hands, solid: Solid, curls: Array) -> Finge
 
         return gaps
 
-    end = np.repeat(curls[:, None], 4, axis=1)
+    end = np.broadcast_to(curl, (len(hands.place), 4, 3))
     flexion, link = _meet(LEAST * end, end, gaps_from(0, LEAST * end))
     loose = link == NOTHING
     for joint in (1, 2):
@@ -106,7 +119,7 @@ def close_fingers(hand: Hand, hands: Hands, solid: Solid, curls: Array) -> Finge
         further, _ = _meet(first, last, gaps_from(joint, first))
         flexion = np.where((link < joint)[..., None], further, flexion)
     for finger in range(1, 4):  # beside one that holds, a finger with nothing to touch is bent as that one is
-        own, beside = flexion[:, finger], flexion[:, finger - 1] + FOLLOWS * curls
+        own, beside = flexion[:, finger], flexion[:, finger - 1] + FOLLOWS * curl
         flexion[:, finger] = np.where(loose[:, finger, None], np.minimum(own, beside), own)
     middles, radii = hand.finger_balls(flexion)
     return Fingers(flexion, *_nearest(solid, hands.seen(middles), radii))

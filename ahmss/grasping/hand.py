@@ -22,6 +22,10 @@ FINGERS = ("index", "middle", "ring", "little")
 SEGMENTS = ("proximal", "intermediate", "distal")
 BALLS = 7  # balls along a link
 ALONG = np.linspace(0.0, 1.0, BALLS)
+ROOT = np.interp(
+    ALONG, [0.0, 0.3, 0.5], [1.5, 1.15, 1.0]
+)  # a first link's radius along it, of its own: the web is there
+THUMB_ROOT = np.interp(ALONG, [0.0, 0.4, 0.7], [1.3, 1.25, 1.0])  # the same of the thumb
 TIP = np.interp(ALONG, [0.0, 0.6, 0.8, 1.0], [1.0, 1.0, 0.93, 0.65])  # a last link's radius along it, of its own
 LENGTH = 0.095  # metres of the hand of which the palm's balls were taken
 # Along the hand, out of the palm, to the little finger's side; the skin there is as far out as the palm's middle is, or
@@ -29,7 +33,8 @@ LENGTH = 0.095  # metres of the hand of which the palm's balls were taken
 PALM = np.array([
     [0.076, 0.0, -0.022], [0.076, 0.0, -0.0019], [0.076, 0.0, 0.02],
     [0.093, 0.0, -0.0247], [0.093, 0.0, -0.0057], [0.093, 0.0, 0.0133],
-    [0.030, 0.0095, -0.015], [0.046, 0.0085, -0.022], [0.034, 0.004, 0.02],
+    [0.030, 0.0095, -0.015], [0.046, 0.0105, -0.022], [0.034, 0.004, 0.02],
+    [0.062, 0.0030, -0.028],
 ])  # fmt: skip
 X = np.array([1.0, 0.0, 0.0])
 
@@ -92,6 +97,7 @@ class Hand:
         along = along * self.lengths[..., None]
         starts = self.roots[:, None] + np.cumsum(along, axis=-2) - along
         radii = np.repeat(self.radii[..., None], BALLS, axis=-1)
+        radii[:, 0] *= ROOT
         radii[:, 2] *= TIP
         return starts[..., None, :] + ALONG[:, None] * along[..., None, :], radii
 
@@ -101,6 +107,7 @@ class Hand:
         along = self._thumb_along(bent, thumb.rise[..., None]) * self.thumb_lengths[:, None]
         starts = self.thumb_root + np.cumsum(along, axis=-2) - along
         radii = np.repeat(self.thumb_radii[:, None], BALLS, axis=-1)
+        radii[0] *= THUMB_ROOT
         radii[1] *= TIP
         return starts[..., None, :] + ALONG[:, None] * along[..., None, :], radii
 
@@ -119,12 +126,13 @@ class Hand:
         for finger, root, lengths, wide in chains:
             start, turned = np.broadcast_to(root, (*rotations.shape[:-2], 3)), IDENTITY
             segments = SEGMENTS if len(lengths) == 3 else ("proximal", "distal")
+            along_of = {"proximal": ROOT if len(lengths) == 3 else THUMB_ROOT, "distal": TIP}
             for segment, length, radius in zip(segments, lengths, wide, strict=True):
                 link = INDEX[f"{self.side}_{finger}_{segment}"] - first
                 turned = multiply(turned, rotations[..., link, :])
                 along = rotate(turned, length * X)
                 middles[..., link, :, :] = start[..., None, :] + ALONG[:, None] * along[..., None, :]
-                radii[link] = radius * (TIP if segment == "distal" else 1.0)
+                radii[link] = radius * along_of.get(segment, 1.0)
                 start = start + along
         return middles, radii
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,14 @@ from ahmss.grasping.hand import FINGERS, Hand, Thumb
 __all__ = ["DEEP", "HOLDS", "Holding", "Trial", "best", "opener"]
 
 HOLDS = -0.4  # cosine between the thumb's normal and a finger's, below which what is between them is held
+THUMB_EASY = np.radians(108.0)  # of a thumb that is not turned out to its limit
 FEW = 3  # hands whose thumbs are tried
 WELL = -0.85  # of the same, below which no better one is looked for
 OPENED, OPENS_BY, THUMB_OPENS_BY = 0.6, np.radians(4.0), np.radians(22.0)  # of a hand that is about to close
 DEEP = 0.002  # metres that skin may be within the shape
 _DEPTH, _FINGER, _LINK = 150.0, 0.08, 0.03  # of a metre too deep, a finger that touches, a link that touches
-_GAP, _AWAY = 30.0, 0.03  # of a metre between skin and shape, the mean of all links; beyond that no link is missed
-_FAR_OUT = (np.radians(95.0), 0.6)  # the thumb further out than that: of a radian
+_GAP = 60.0  # of a metre between skin and shape, the mean of all links
+_FAR_OUT = (np.radians(95.0), 1.5)  # the thumb further out than that: of a radian
 
 
 @dataclass(frozen=True)
@@ -55,9 +56,10 @@ class Holding:
 class Trial:
     """Hands to be tried, C of them.
 
-    hands: in the object's frame. palms: (C, 7) of them. curls: (C, 3) how their fingers curl. rises, bends: (C, R)
-    planes that the thumb tries, and how its end is bent meanwhile. cost: (C,) what speaks against each. thumb_cost:
-    (C, R) the same of the planes. links: of fingers that are to touch, or others than the first hand are tried.
+    hands: in the object's frame. palms: (C, 7) of them. curls: (K, 3) in which proportions their fingers may curl.
+    rises, bends: (C, R) planes that the thumb tries, and how its end is bent meanwhile. cost: (C,) what speaks against
+    each. thumb_cost: (C, R) the same of the planes. links: of fingers that are to touch, or others than the first hand
+    are tried.
     """
 
     hands: Hands
@@ -69,25 +71,32 @@ class Trial:
     thumb_cost: Array
     links: int
 
+    def first(self) -> Trial:
+        """The first hand alone, curled in the first way."""
+        return replace(self.chosen(np.arange(1)), curls=self.curls[:1])
+
     def chosen(self, which: NDArray[np.intp]) -> Trial:
         """Some of the hands."""
         return Trial(
-            self.hands.chosen(which), self.palms[which], self.curls[which], self.rises[which], self.bends[which],
+            self.hands.chosen(which), self.palms[which], self.curls, self.rises[which], self.bends[which],
             self.cost[which], self.thumb_cost[which], self.links,
         )  # fmt: skip
 
 
 def best(hand: Hand, field: Field, trial: Trial) -> Holding:
     """Close the hands of a trial, the first alone where that will do, and give the best."""
-    first = _best(hand, field, trial.chosen(np.arange(1)))
-    if len(trial.palms) == 1 or (first.facing < WELL and first.links >= trial.links and first.depth < 0.5 * DEEP):
+    first = _best(hand, field, trial.first())
+    well = first.facing < WELL and first.links >= trial.links and first.depth < 0.5 * DEEP
+    if len(trial.palms) == 1 or (well and first.thumb.out < THUMB_EASY):
         return first
     return _best(hand, field, trial)
 
 
 def _best(hand: Hand, field: Field, trial: Trial) -> Holding:
     """The best by the fingers and the palm, and of a few of these the best with the thumb."""
-    fingers = close_fingers(hand, trial.hands, field, trial.curls)
+    fingers = close_fingers(hand, trial.hands, field, trial.curls[0])
+    for curl in trial.curls[1:]:
+        fingers = fingers.or_better(close_fingers(hand, trial.hands, field, curl))
     palms = trial.hands.seen(np.broadcast_to(hand.palm, (len(trial.palms), *hand.palm.shape)))
     depth = -np.minimum((field.clearance(palms) - hand.palm_radius).min(axis=1), fingers.gaps.min(axis=(1, 2)))
     touching = fingers.gaps < TOUCH
@@ -95,7 +104,7 @@ def _best(hand: Hand, field: Field, trial: Trial) -> Holding:
         _DEPTH * np.maximum(depth - 0.5 * DEEP, 0.0)
         - _FINGER * touching.any(axis=2).sum(axis=1)
         - _LINK * touching.sum(axis=(1, 2))
-        + _GAP * np.clip(fingers.gaps, 0.0, _AWAY).mean(axis=(1, 2))
+        + _GAP * fingers.loose().mean(axis=1)
         + trial.cost
     )
     few = np.argsort(score)[:FEW]

@@ -14,11 +14,11 @@ from ahmss.grasping.holding import Holding, Trial, best
 
 __all__ = ["power"]
 
-# What is tried: the first alone where that will do. Metres by which the axis lies before the palm's middle, towards the
-# fingers; metres along the axis; and how the fingers curl.
-INTO_FINGERS = np.array([0.01, 0.0, 0.02, 0.005, 0.01, 0.01, 0.0, 0.01, 0.01, 0.01])
-BESIDE = np.array([0.0, 0.0, 0.0, 0.0, -0.022, 0.022, 0.0, 0.0, -0.022, 0.022])
-CURLS = np.stack([POWER] * 6 + [HOOK] * 4)
+# What is tried, the first alone where that will do: metres by which the axis lies before the palm's middle, towards the
+# fingers, and metres along the axis.
+INTO_FINGERS = np.array([0.01, 0.0, 0.02, 0.005, 0.01, 0.01])
+BESIDE = np.array([0.0, 0.0, 0.0, 0.0, -0.022, 0.022])
+CURLS = np.stack([POWER, HOOK])
 WRAPPED = 9  # links that touch where fingers are well around
 # Planes of the thumb, out of the palm to its own side, and the bend of its end.
 RISES, BENDS = np.radians([[22.0, 0.0, 40.0, 22.0, 5.0], [8.0, 8.0, 8.0, 45.0, 45.0]])
@@ -60,9 +60,7 @@ def power(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
     hands = Hands(palms[:, :3] - turn @ hand.grip[:3], np.broadcast_to(turn, (len(palms), 3, 3)))
     cost = (2.0 * np.abs(INTO_FINGERS - INTO_FINGERS[0]) + 5.0 * np.abs(BESIDE))[met]
     rises, bends = (np.broadcast_to(row, (len(palms), len(row))) for row in (RISES, BENDS))
-    return best(
-        hand, field, Trial(hands, palms, CURLS[met], rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED)
-    )
+    return best(hand, field, Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED))
 
 
 def _level(grip: Array, axis: Array, up: Array) -> Array:

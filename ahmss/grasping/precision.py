@@ -43,7 +43,7 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | N
     turn = to_matrix(poses[:, 3:])
     grips = multiply(poses[:, 3:], np.broadcast_to(hand.grip[3:], (len(poses), 4)))
     palms = np.concatenate([poses[:, :3] + turn @ hand.grip[:3], grips], axis=1)
-    curls = np.repeat(PRECISION[None], len(poses), axis=0)
+
     rises = np.array([[rise] for _, rise, _ in found])
     cost = 0.05 * np.array([i for _, _, i in found], float)
     return best(
@@ -52,7 +52,7 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | N
         Trial(
             Hands(poses[:, :3], turn),
             palms,
-            curls,
+            PRECISION[None],
             rises,
             np.full_like(rises, THUMB_SLACK),
             cost,
