@@ -207,8 +207,12 @@ class Control:
         mover = self._movers.get(order.object)
         hold = order.affordance.hold
         if mover is not None and hold == "release":
-            if order.object_algorithm is None:  # else it goes on until the motion ends, as what is put down wants
-                self._silence(mover)
+            if order.object_algorithm is not None:  # it goes on until the motion ends, as what is put down wants
+                return mover
+            if mover.order.hand:  # the hand opens, and what was in it falls while it does
+                self._release(mover)
+                return None
+            self._silence(mover)  # a chair is the sitter's until they have stood up
             return mover
         if order.object_algorithm is None or hold == "keep":
             return None

@@ -180,6 +180,18 @@ def test_who_catches_it_has_it_and_what_does_not_fall_stays(start, connect):
     assert ken.world.pose("cup")[2] == 1.3
 
 
+@pytest.mark.parametrize("stay", [True, False])
+def test_the_cup_of_who_leaves_falls(start, connect, stay):
+    server = start()
+    ken, viewer = connect(server), connect(server)
+    join(ken, "ken")
+    lift(ken, furnish(ken))
+    ken.refresh()
+    ken.leave("ken", stay=stay)
+    eventually(lambda: rests(viewer, 0.88))
+    assert ("ken" in viewer.world.humans) == stay
+
+
 HOLDER = """
 import sys, time
 sys.path.insert(0, {here!r})
