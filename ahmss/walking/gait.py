@@ -23,7 +23,7 @@ class Gait:
     """
 
     step: float = 0.752
-    frames: int = 34
+    frames: int = 33
     both: int = 8
     width: float = 0.095
     toe_out: float = 5.0
@@ -41,7 +41,7 @@ class Gait:
     drawn: float = 4.0  # how hard a foot that pushes off is drawn after the body
     slowing: float = 8.2  # how hard a striking foot is still slowing down: at rest before, it would wait in the air
 
-    sink: float = 0.0250
+    sink: float = 0.0265
     bob: float = 0.0135
     low: float = -0.01  # of the step, after a foot has landed: when the pelvis is lowest
     turn: float = 5.5

@@ -29,8 +29,9 @@ from ahmss.walking.library import BODY, RATE
 __all__ = ["Performed", "Stand", "perform"]
 
 _X, _Y, _Z = np.eye(3)
-_SHIFT = 0.62  # seconds before the first foot lifts in which the weight goes over the other
+_SHIFT = 0.56  # seconds before the first foot lifts in which the weight goes over the other
 _CATCH = 0.48  # seconds after the last has landed until the weight is over both
+_CAUGHT = 0.12  # seconds before it lands: when it begins to go there
 _BRAKE = (0.17, 0.9)  # how far ahead of the ankle the last foot to strike is pushed on, share of hip height; seconds
 _SWAYS = 0.5  # seconds, about as long as a step: slower is no swaying
 _STRETCH = 0.998  # of a leg's length that a leg may have
@@ -97,7 +98,7 @@ def _weight(plan: Footsteps, times: Array) -> Array:
         share += (wanted - now) * minimum_jerk((times - begin) / max(step.lift - begin, 0.05))
         now, begin = wanted, step.land
     if begin is not None:
-        share += (0.5 - now) * minimum_jerk((times - begin) / _CATCH)
+        share += (0.5 - now) * minimum_jerk((times - begin + _CAUGHT) / (_CATCH + _CAUGHT))
     return share
 
 

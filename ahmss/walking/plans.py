@@ -19,7 +19,7 @@ from ahmss.walking.performer import Stand
 
 __all__ = ["Planner", "Take"]
 
-_FIRST_LIFT = 0.62  # seconds from the beginning until the first foot leaves the ground
+_FIRST_LIFT = 0.56  # seconds from the beginning until the first foot leaves the ground
 _AFTER = 0.52  # seconds after the last has landed
 _ASIDE, _BACK = 0.62, 0.60  # a step aside and back, of one ahead
 _RUN = 5  # straight steps before what is cut out, and after it
