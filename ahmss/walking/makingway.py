@@ -8,17 +8,19 @@ stop, and pass oncoming ones on the right.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course, NoWay
 
-__all__ = ["LOOKED", "MET", "Option", "Walker", "cut", "least", "options", "turned_into"]
+__all__ = [
+    "LOOKED", "MET", "Option", "Walker", "cut", "goes_first", "held_up", "least", "meets", "options", "turned_into"
+]  # fmt: skip
 
 LOOKED = np.arange(0.0, 2.41, 0.1)  # seconds: how far ahead a walker looks for others, and how finely
-MET = 0.62  # metres apart at which one makes way
+MET = 0.64  # metres apart at which one makes way
 _APART = 0.7  # metres that two walkers' middles shall keep apart where one goes round the other
 _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
@@ -31,7 +33,13 @@ _SLOWER = (0.85, 0.7)  # shares of the speed
 _TURNED, _LEFT, _SLOWED, _STOPPED, _LONGER = 0.3, 0.15, 1.6, 1.6, 0.6  # costs; the last one a metre
 _HARD, _SOFT = 1.0, 0.6  # what a stop in less than so many metres costs more, a metre
 _RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
-_LIKELY = 0.6  # how much it counts that who walks may stop
+_LIKELY = 0.8  # how much it counts that who walks may stop
+_SURE, _UNSURE = (0.8, 2.4), (1.0, 0.4)  # how much it counts (the latter) after so many seconds that who walks goes on
+_STOOD = 0.4  # how much it counts that who goes on comes near when one stands oneself: they can go round
+_SWAY = 0.09  # metres that hips go to a side before a step: one comes no nearer by it
+_FIRST = np.array([0.8, 0.6])  # who stands further that way goes first: any way serves
+_COMMITTED, _SET_OUT = 0.4, 0.8  # m/s: slower ones may still call off a start; slower ones may go any way
+_REACHED = 1.7  # metres from one's way within which who sets out may come into it
 _SHARPEST = 1.6  # 1/m, of a bend in which a walker turns in
 _GENTLE = 0.9  # 1/m: a bend as gentle as that is not made gentler
 _JOINS = (0.6, 0.9, 1.2, 1.6, 2.0, 2.6, 3.2)  # metres further on at which it may be on the other course
@@ -74,9 +82,17 @@ class Walker:
         yield self
         if _MOVING < speed < _STRIDE:
             yield Walker(self.place, _STRIDE / speed * self.velocity)
-        if speed > _MOVING:
-            for place in self.after(_STOPPING):
+        yield from self.may_stop(_STOPPING)
+
+    def may_stop(self, seconds: Array = _STOPPING[:1]) -> Iterator[Walker]:
+        """Standing where they are after some of so many seconds, if they walk."""
+        if float(np.linalg.norm(self.velocity)) > _MOVING:
+            for place in self.after(seconds):
                 yield Walker(place, np.zeros(2))
+
+    def precedes(self, place: Array) -> bool:
+        """Whether they go first, of two who stand and could: of two only one waits for the other."""
+        return float((self.place - place) @ _FIRST) > 0.0
 
 
 @dataclass(frozen=True)
@@ -97,11 +113,51 @@ def least(own: Array, others: Sequence[Walker]) -> float:
     return min((float(away.min()) for away in _approaching(own, others)), default=np.inf)
 
 
+def meets(own: Array, others: Sequence[Walker]) -> bool:
+    """Whether somebody comes too near if they go on, or may come so if they stop."""
+    return least(own, [way for other in others for way in (other, *other.may_stop())]) < MET
+
+
+def goes_first(own: Array, others: Sequence[Walker], beside: float) -> bool:
+    """Whether somebody who stands ahead, so near (metres), is to go before one who would go along `own` (n, 2)."""
+    for other in others:
+        way = other.place - own[0]
+        stands = np.linalg.norm(other.velocity) < _MOVING and np.linalg.norm(way) < beside
+        if stands and other.precedes(own[0]) and way @ (own[-1] - own[0]) > 0.0:
+            return True
+    return False
+
+
+def held_up(own: Array, others: Sequence[Walker], nearer: float = 0.0, *, begun: bool, tired: bool = False) -> bool:
+    """Whether one should not set out along `own` (n, 2, at the times LOOKED), as others may come into the way.
+
+    Who sets out as well may go anywhere. One waits for them; but of two who begin at once one goes on.
+
+    Args:
+        own: where one would be. others: who is about.
+        nearer: metres less than MET that serve.
+        begun: whether one has begun and could call it off.
+        tired: whether one has waited long, and takes who is slow for one who stands.
+    """
+    ways: list[Walker] = []
+    for other in others:
+        speed, way = float(np.linalg.norm(other.velocity)), other.place - own[0]
+        if speed < _COMMITTED and (tired or (begun and not other.precedes(own[0]))):
+            ways.append(Walker(other.place, np.zeros(2)))
+        elif other.stops or not _MOVING < speed < _SET_OUT:
+            ways.extend(other.may_go())
+        elif way @ (own[-1] - own[0]) > 0.0 and np.linalg.norm(own - other.place, axis=-1).min() < _REACHED:
+            return True
+        else:
+            ways.extend(other.may_go())
+    return least(own, ways) < MET - nearer
+
+
 def _approaching(own: Array, others: Sequence[Walker]) -> Iterator[Array]:
     """How far those are (n,) who come nearer."""
     for other in others:
         away = np.linalg.norm(own - other.after(LOOKED[: len(own)]), axis=-1)
-        if away.min() < away[0] - 0.02:
+        if away.min() < away[0] - _SWAY:
             yield away
 
 
@@ -140,23 +196,34 @@ def options(
 
 
 def _ahead(course: Course, speed: float, *, stops: bool = False) -> Array:
-    """Where a walker will be (n, 2) on a course at the times LOOKED, as far as it goes."""
+    """Where a walker will be (n, 2) on a course at the times LOOKED: at its end it stays."""
     if stops:
         slowing = np.minimum(LOOKED * speed / (2.0 * course.length), 1.0)
         return course.at(course.length * slowing * (2.0 - slowing))[0]
-    way = speed * LOOKED
-    return course.at(way[: max(int(np.searchsorted(way, course.length)), 2)])[0]
+    return course.at(np.minimum(speed * LOOKED, course.length))[0]
 
 
 def _risk(own: Array, others: Sequence[Walker]) -> float:
-    """What it costs to be at `own` (n, 2) at the times LOOKED: others go on, or stop as well, which is less likely."""
+    """What it costs to be at `own` (n, 2) at the times LOOKED: others go on or stop, whichever costs more.
+
+    Of those who go on it counts less later, when both can still do something, and when one stands oneself.
+    """
+    speed = np.linalg.norm(np.gradient(own, LOOKED[1], axis=0), axis=-1)
+    trust = np.interp(LOOKED[: len(own)], _SURE, _UNSURE) * np.clip(speed, _STOOD, 1.0)
     risk = 0.0
-    for away in _approaching(own, others):
-        near = (np.maximum(MET - away, 0.0) / _RISK) ** 2
-        risk += float(near.max() + _LASTING * LOOKED[1] * near.sum())
-    for away in _approaching(own, [replace(other, stops=True) for other in others if not other.stops]):
-        risk += _LIKELY * float((np.maximum(MET - away, 0.0) / _RISK).max()) ** 2
+    for other in others:
+        moving = float(np.linalg.norm(other.velocity)) > _MOVING
+        ways = [(other, trust if moving else 1.0), *((way, _LIKELY) for way in other.may_stop())]
+        risk += max(_nearness(own, way, counts) for way, counts in ways)
     return risk
+
+
+def _nearness(own: Array, other: Walker, counts: Array | float) -> float:
+    """What it costs to come near to one who goes one way, of which each moment counts so much."""
+    for away in _approaching(own, [other]):
+        near = counts * (np.maximum(MET - away, 0.0) / _RISK) ** 2
+        return float(near.max() + _LASTING * LOOKED[1] * near.sum())
+    return 0.0
 
 
 def _passing(

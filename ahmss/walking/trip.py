@@ -14,9 +14,11 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.walking.catalogue import STRAIGHT, Key, Stride
 from ahmss.walking.course import Course, NoWay, plan
+from ahmss.walking.hesitating import back, last_moment
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, footing, journey, onward, stride_at
+from ahmss.walking.journey import Stride as Walking
 from ahmss.walking.library import RATE, Library
-from ahmss.walking.makingway import LOOKED, MET, Walker, cut, least, options
+from ahmss.walking.makingway import LOOKED, Option, Walker, cut, goes_first, held_up, meets, options
 from ahmss.walking.nominal import clip_of, length_of
 from ahmss.walking.pacing import Paced
 
@@ -31,11 +33,11 @@ _NEAR = 2.3  # metres: whom one goes round from the beginning
 _TRIED = 4  # ways out that are looked at closely
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 _AGAIN = 12  # frames after which who waits looks again
-_POLITE, _BESIDE, _STANDS = 4.0, 2.2, 0.1  # seconds that one lets others go first, who are so near and so slow (m/s)
+_POLITE, _BESIDE = 2.0, 2.2  # seconds that one lets others go first, who stand so near (metres)
 _LOOKS, _ABOUT = 1.2, 4.8  # seconds that one looks, before setting out, whether others do who are so near
 _ASIDE, _YIELDS = 0.85, 1.0  # metres that one steps aside for who wants to be where one is, after so many seconds
-_FIRST = np.array([0.8, 0.6])  # who stands further that way goes first: any way serves
-_IMPATIENT = 0.25  # metres: how much nearer one goes in the end
+_IMPATIENT = 0.12  # metres: how much nearer one goes in the end
+_TIRED = 6.0  # seconds after which one waits no more for who does hardly move
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
 
 
@@ -83,7 +85,8 @@ class Trip:
 
     def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
         self.standing = Standing.of(self.skeleton, self.library)
-        self._rate = self._pace = 1.0  # frames that pass in one: of the clips, and of a natural walk
+        self._made = self._waited = 0  # frames: of the trip so far, and of these for how many one has waited
+        self._rate, self._rates = 1.0, (1.0, 1.0)  # frames of the clips that pass in one; the least and the most
         self._things = np.array([shapely.Polygon(ring) for ring in self.ground.outlines if len(ring) > 2], dtype=object)
 
     def pieces(self, rotations: Array, root: Array) -> Iterator[Piece]:
@@ -92,17 +95,25 @@ class Trip:
         Raises:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
-        now = footing(self.skeleton, rotations, root, self.standing)
+        for piece in self._pieces(footing(self.skeleton, rotations, root, self.standing)):
+            self._made += len(piece.root)
+            yield piece
+
+    def _pieces(self, now: Footing) -> Iterator[Piece]:
         going, free = self._begun(now)
         self._say_frames(going)
-        self._rate, self._pace = float(going.rates[0]), going.natural / len(going.rates)
-        if not free or self._lets_go(self._ahead(going, 0), _ABOUT):
+        self._rates = going.natural / going.most, going.natural / going.fewest
+        if not free or goes_first(self._ahead(going, 0), self.others(), _ABOUT):
             going = yield from self._wait(_piece(going, -1, 0), now, looks=_LOOKS)
-        while True:
-            going, over = yield from self._steps(going)
-            if over:
-                return
-            going = yield from self._wait(_last(going), self._footing_after(going))
+        over = False
+        while not over:
+            made = yield from self._set_in_motion(going)
+            if made:
+                self._waited, self._rate = 0, float(going.rates[0])
+                going, over = yield from self._steps(going, made)
+            if not over:
+                end = -1 if made else 0
+                going = yield from self._wait(_standing(going, end), self._footing_at(going, end))
 
     # Planning
 
@@ -114,18 +125,19 @@ class Trip:
         near = [(x, y, r) for x, y, r in self._circles() if np.hypot(x - now.place[0], y - now.place[1]) < _NEAR]
         if near:
             with contextlib.suppress(NoWay):
-                return self._set_out(now, near, frames=self.frames), True
-        return self._set_out(now, frames=self.frames), not near
+                return self._set_out(now, near), True
+        return self._set_out(now), not near
 
-    def _set_out(
-        self, now: Footing, circles: Sequence[tuple[float, float, float]] = (), frames: int = 0, pace: float = 1.0
-    ) -> Journey:
+    def _set_out(self, now: Footing, circles: Sequence[tuple[float, float, float]] = ()) -> Journey:
         course = self._course(now.place, now.heading, circles)
         facing = float(course.heading[-1]) if self.facing is None else self.facing
         if self.facing is None and course.length < SPOT:
             facing = now.heading
-        made = self._journey(now, course, facing, frames)
-        return made if pace == 1.0 else self._journey(now, course, facing, round(made.natural / pace))
+        return self._journey(now, course, facing, self._left())
+
+    def _left(self) -> int:
+        """How many frames are left of those that were asked for; 0: as many as it takes."""
+        return max(self.frames - self._made, 1) if self.frames else 0
 
     def _journey(self, now: Footing, course: Course, facing: float, frames: int = 0) -> Journey:
         return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
@@ -150,26 +162,32 @@ class Trip:
 
     # Going
 
-    def _steps(self, going: Journey) -> Iterator[Piece]:  # -> Journey, whether it is over
+    def _set_in_motion(self, going: Journey) -> Iterator[Piece]:  # -> how many frames are made; 0: it was called off
+        """The first frames, in which weight is shifted, and back again where others have set out as well."""
+        made = last_moment(going)
+        yield _piece(going, 0, made)
+        own = self._ahead(going, made)
+        if going.line.course.length < SPOT or not self._held_up(own, begun=True):
+            return made  # pyright: ignore[reportReturnType]
+        yield Piece(*back(self.skeleton, going, made))
+        self._waited += 3 * made
+        return 0  # pyright: ignore[reportReturnType]
+
+    def _steps(self, going: Journey, made: int) -> Iterator[Piece]:  # -> Journey, whether it is over
         """The pieces of a walk, and of those that it becomes where others come in its way."""
-        seam, made, stopping = 0, 0, False
+        seam, stopping = 0, False
         while seam < len(going.seams) - 1:
             seam += 1
             end = going.seams[seam]
             yield _piece(going, made, end)
             made = end
-            if seam == len(going.seams) - 1 or stopping or not self._meets(going, made):
+            if seam == len(going.seams) - 1 or stopping or not meets(self._ahead(going, made), self.others()):
                 continue
             way_out = self._way_out(going, seam)
             if way_out is not None:
                 going, stopping = way_out
                 seam, made = 0, 0
         return going, not stopping  # pyright: ignore[reportReturnType]
-
-    def _meets(self, going: Journey, made: int) -> bool:
-        """Whether somebody comes too near in the next seconds."""
-        others = self.others()
-        return bool(others) and least(self._ahead(going, made), others) < MET
 
     @staticmethod
     def _ahead(going: Journey, made: int) -> Array:
@@ -204,12 +222,25 @@ class Trip:
             facing = float(option.course.heading[-1])
             if self.facing is not None and not option.stops:
                 facing = self.facing
-            made = onward(
-                self.skeleton, self.library, self.standing, stride, option.course, facing, self._rate, option.slow
-            )
+            made = self._onward(stride, option, facing)
             if self._natural(made):
                 return made, option.stops
         return None
+
+    def _onward(self, now: Walking, option: Option, facing: float) -> Journey:
+        """The walk that an option is, as quick as the frames that are left want it after it has been slow."""
+
+        def at(rate: float) -> Journey:
+            return onward(
+                self.skeleton, self.library, self.standing, now, option.course, facing, rate, option.slow
+            )  # fmt: skip
+
+        made = at(self._rate)
+        if not self.frames or option.stops:
+            return made
+        more = len(made.rates) / self._left()
+        self._rate = float(np.clip(more * self._rate, *self._rates))
+        return at(self._rate)
 
     def _natural(self, going: Journey) -> bool:
         """Whether the next steps of a walk are such as a person makes."""
@@ -244,36 +275,35 @@ class Trip:
             last: the frame in which one stands. now: where.
             looks: seconds that one stands in any case, to see where others go; 0: others may go first.
         """
-        count, aside = round(_PATIENCE * RATE), False
-        for frame in range(count):
+        frame, aside = -1, False
+        while self._waited < _PATIENCE * RATE:
             yield last
+            frame, self._waited = frame + 1, self._waited + 1
             if frame % _AGAIN or frame < looks * RATE:
                 continue
             if not aside and frame >= _YIELDS * RATE:
                 away = self._aside(now)
                 if away is not None:
                     yield _piece(away, 0, away.seams[-1])
-                    last, now, aside = _last(away), self._footing_after(away), True
-            nearer = _IMPATIENT * frame / count
+                    last, now, aside = _standing(away, -1), self._footing_at(away, -1), True
             try:
-                ahead = self._set_out(now, self._circles(nearer), pace=self._pace)
+                ahead = self._set_out(now, self._circles(self._nearer()))
             except NoWay:
                 continue
-            if not looks and frame < _POLITE * RATE and self._lets_go(self._ahead(ahead, 0), _BESIDE):
+            own = self._ahead(ahead, 0)
+            if not looks and frame < _POLITE * RATE and goes_first(own, self.others(), _BESIDE):
                 continue
-            ways = [way for other in self.others() for way in other.may_go()]
-            if least(self._ahead(ahead, 0), ways) >= MET - nearer:
+            if not self._held_up(own, begun=False):
                 return ahead  # pyright: ignore[reportReturnType]
         raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
 
-    def _lets_go(self, own: Array, beside: float) -> bool:
-        """Whether somebody who stands ahead is to go first, if they want to: of two only one waits for the other."""
-        for other in self.others():
-            way = other.place - own[0]
-            stands = np.linalg.norm(other.velocity) < _STANDS and np.linalg.norm(way) < beside
-            if stands and way @ _FIRST > 0.0 and way @ (own[-1] - own[0]) > 0.0:
-                return True
-        return False
+    def _held_up(self, own: Array, *, begun: bool) -> bool:
+        """Whether others may come into the way of a walk along `own`; it counts how long one has waited for them."""
+        return held_up(own, self.others(), self._nearer(), begun=begun, tired=self._waited > _TIRED * RATE)
+
+    def _nearer(self) -> float:
+        """How much nearer to others (metres) one goes than at first, for having waited."""
+        return _IMPATIENT * self._waited / (_PATIENCE * RATE)
 
     def _aside(self, now: Footing) -> Journey | None:
         """A step out of the way of somebody who stands at the goal and is to go first; None: there is none, or no room.
@@ -282,22 +312,23 @@ class Trip:
         """
         for other in self.others():
             way = other.place - now.place
-            if np.linalg.norm(other.place - self.goal) > _APART or way @ _FIRST <= 0.0:
+            if np.linalg.norm(other.place - self.goal) > _APART or not other.precedes(now.place):
                 continue
             right = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
             for side in (_ASIDE * right, -_ASIDE * right):
                 with contextlib.suppress(NoWay):
                     course = self._course(now.place, now.heading, self._circles(), now.place + side)
-                    if course.length < 1.2 * _ASIDE:
-                        return self._journey(now, course, now.heading)
+                    away = self._journey(now, course, now.heading)
+                    if course.length < 1.2 * _ASIDE and not held_up(self._ahead(away, 0), self.others(), begun=False):
+                        return away
         return None
 
-    def _footing_after(self, going: Journey) -> Footing:
-        """How the walker stands at the end of a walk."""
-        prints = [going.shaping.footprint(foot, going.seams[-1]) for foot in (0, 1)]
+    def _footing_at(self, going: Journey, end: int) -> Footing:
+        """How the walker stands before a walk, where `end` is 0, or after it, where it is -1."""
+        prints = [going.shaping.footprint(foot, going.seams[end]) for foot in (0, 1)]
         ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
         heading = float(np.arctan2(np.sin(headings).sum(), np.cos(headings).sum()))
-        return Footing(ankles, headings, going.line.course.points[-1], heading)
+        return Footing(ankles, headings, going.line.course.points[end], heading)
 
 
 def _piece(going: Journey, first: int, last: int) -> Piece:
@@ -306,6 +337,6 @@ def _piece(going: Journey, first: int, last: int) -> Piece:
     return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet)
 
 
-def _last(going: Journey) -> Piece:
-    """The frame in which a walk ends."""
-    return _piece(going, going.seams[-1] - 1, going.seams[-1])
+def _standing(going: Journey, end: int) -> Piece:
+    """The frame in which a walk begins, where `end` is 0, or ends, where it is -1."""
+    return _piece(going, going.seams[end] - 1, going.seams[end])

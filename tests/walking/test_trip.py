@@ -211,18 +211,19 @@ def test_turning_on_the_spot_stays_on_the_spot(facing: float, name: str) -> None
 
 
 def both(first: tuple[float, float], second: tuple[float, float], goals: Sequence[tuple[float, float]]) -> list[Array]:
-    """Two trips at once, each seeing the other's last frame and speed; the hips' ways (F, 3) of both."""
-    body, starts = m.subject("ken"), (first, second)
+    return together((first, second), goals)
+
+
+def together(starts: Sequence[tuple[float, float]], goals: Sequence[tuple[float, float]]) -> list[Array]:
+    """Trips at once, each seeing the others' last frames; the hips' ways (F, 3) of all."""
+    body = m.subject("ken")
     roots: list[list[Array]] = []
     walks = []
 
-    def seen(other: int) -> Callable[[], Sequence[Walker]]:
+    def seen(own: int) -> Callable[[], Sequence[Walker]]:
         def now() -> Sequence[Walker]:
-            way = roots[other]
-            since = way[max(len(way) - 31, 0)]
-            seconds = min(len(way) - 1, 30) / RATE
-            velocity = (way[-1][:2] - since[:2]) / seconds if seconds else np.zeros(2)
-            return (Walker(way[-1][:2].copy(), velocity),)
+            ways = [np.array(way[-40:])[:, :2] for i, way in enumerate(roots) if i != own]
+            return [Walker.of(np.arange(len(way)) / RATE, way) for way in ways]
 
         return now
 
@@ -230,16 +231,15 @@ def both(first: tuple[float, float], second: tuple[float, float], goals: Sequenc
         way = np.subtract(goal, place)
         rotations, root = body.at(place, float(np.degrees(np.arctan2(way[1], way[0]))))
         roots.append([root])
-        one = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, seen(1 - i))
+        one = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, seen(i))
         walks.append(root for piece in one.pieces(rotations, root) for root in piece.root)
-    going = {0, 1}
+    going = set(range(len(starts)))
     while going:
-        for i in tuple(going):
-            root = next(walks[i], None)
+        for i, walk in enumerate(walks):
+            root = next(walk, None)
             if root is None:
                 going.discard(i)
-            else:
-                roots[i].append(root)
+            roots[i].append(roots[i][-1] if root is None else root)  # who has arrived stands there
         assert max(map(len, roots)) < 2400, "they never arrive"
     made = [np.array(way) for way in roots]
     for way in made:
@@ -317,3 +317,54 @@ def test_who_goes_second_looks_where_the_other_goes() -> None:
     last = max(map(len, ways))
     a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
     assert np.linalg.norm(a - b, axis=-1).min() > APART
+
+
+def nearest(ways: Sequence[Array]) -> float:
+    return min(
+        float(np.linalg.norm(ways[i] - ways[j], axis=-1).min()) for i in range(len(ways)) for j in range(i)
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("starts", "goals"),
+    [
+        (((-0.24, -0.67), (1.46, 1.31)), ((0.99, 2.19), (-0.8, -1.04))),
+        (((-2.67, -1.5), (-1.01, -1.34)), ((-2.34, -1.69), (-2.88, -2.62))),
+    ],
+)
+def test_of_two_who_set_out_at_once_one_goes_first(
+    starts: Sequence[tuple[float, float]], goals: Sequence[tuple[float, float]]
+) -> None:
+    """They have stopped, or one steps aside, and neither may go without a look at what the other does."""
+    ways = together(starts, goals)
+    assert nearest(ways) > APART
+    assert all(np.linalg.norm(way[-1, :2] - goal) < 0.01 for way, goal in zip(ways, goals, strict=True))
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7, 2.1])
+@pytest.mark.parametrize("count", [3, 4])
+def test_some_who_meet_at_one_place_all_get_across(count: int, turned: float) -> None:
+    angles = np.arange(count) * 2.0 * np.pi / count + turned
+    starts = [(3.0 * np.cos(a), 3.0 * np.sin(a)) for a in angles]
+    goals = [(-x, -y) for x, y in starts]
+    ways = together(starts, goals)
+    assert nearest(ways) > APART - 0.05
+    assert all(np.linalg.norm(way[-1, :2] - goal) < 0.01 for way, goal in zip(ways, goals, strict=True))
+
+
+def test_who_makes_way_still_takes_the_frames_asked_for() -> None:
+    made = go((7.0, 0.0), 0.0, others=walking((8.0, 0.0), (-1.1, 0.0), end=14.0), frames=480)
+    check(made, (7.0, 0.0), 0.0)
+    assert made.nearest() > APART
+    assert abs(len(made.walk.root) - 480) < 20
+
+
+def test_a_start_is_called_off_for_who_comes() -> None:
+    """They begin to walk across as the walker shifts its weight."""
+    made = go((4.0, 0.0), 0.0, others=walking((1.6, -2.6), (0.0, 1.0), begin=0.1, end=9.0))
+    check(made, (4.0, 0.0), 0.0)
+    assert made.nearest() > APART
+    alone = go((4.0, 0.0), 0.0)
+    assert made.pieces[0] == alone.pieces[0]
+    assert made.pieces[1] == 2 * made.pieces[0]  # back again, no step
+    assert np.linalg.norm(made.walk.root[3 * made.pieces[0] - 1] - made.walk.root[-1] + [4.0, 0.0, 0.0]) < 0.01
