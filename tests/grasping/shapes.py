@@ -1,0 +1,134 @@
+"""Meshes for hands to hold, and how deep points are in them, measured without the grid that the hands use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import from_matrix
+from ahmss.database import Workspace
+from ahmss.database.footprint import triangles_of
+from ahmss.grasping.distance import build
+from ahmss.grasping.field import Field
+
+ROOT = Path(__file__).resolve().parents[2]
+WORKSPACE = Workspace(ROOT)
+NEAR = 0.03  # metres beyond which nobody asks how far it is
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Triangles (T, 3, 3) and where they are gripped: site (7,), grip, and where the palm faces for a power grip."""
+
+    triangles: Array
+    site: Array
+    grip: str
+    palm: Array
+
+    @property
+    def near(self) -> Array:
+        return self.triangles[np.linalg.norm(self.triangles.mean(axis=1) - self.site[:3], axis=1) < 1.2]
+
+
+def frame(place: tuple[float, float, float], x: tuple[int, int, int], z: tuple[int, int, int]) -> Array:
+    """A frame (7,) whose x and z point along the object's axes."""
+    a, b = np.array(x, float), np.array(z, float)
+    return np.concatenate([place, from_matrix(np.stack([a, np.cross(b, a), b], axis=1))])
+
+
+def kind(name: str) -> Array:
+    shape = WORKSPACE.objects.shape(name)
+    assert shape is not None
+    return triangles_of(shape.glb)
+
+
+def box(width: float, height: float = 0.12) -> Array:
+    half = 0.5 * width
+    mesh = trimesh.creation.box(bounds=[[-half, -half, 0.0], [half, half, height]])
+    return np.array(mesh.vertices[mesh.faces])
+
+
+def lathe(profile: list[tuple[float, float]], sides: int = 24) -> Array:
+    """A body of rotation about z from radii and heights, given so that the outside is to the right of the way."""
+    turns = 2.0 * np.pi * np.arange(sides + 1) / sides
+    rings = np.array([[[r * np.cos(a), r * np.sin(a), z] for a in turns] for r, z in profile])
+    a, b, c, d = rings[:-1, :-1], rings[:-1, 1:], rings[1:, 1:], rings[1:, :-1]
+    return np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
+
+
+PLATE = [
+    (0.0, 0.0),
+    (0.05, 0.0),
+    (0.06, 0.004),
+    (0.115, 0.018),
+    (0.12, 0.022),
+    (0.115, 0.024),
+    (0.06, 0.01),
+    (0.0, 0.008),
+]
+KNOB = [(0.0, 0.0), (0.012, 0.0), (0.012, 0.03), (0.02, 0.035), (0.02, 0.05), (0.0, 0.055)]
+
+
+@cache
+def thing(name: str) -> Thing:
+    """`cup40` to `cup110`, `lever`, `tap`, `plate`, `box60`, `box80`, `box150`, `knob`."""
+    ahead = np.array([1.0, 0.0, 0.0])
+    if name.startswith("cup"):
+        scale = float(name[3:]) / 72.0
+        triangles = kind("cup") * np.array([scale, scale, max(1.0, scale)])
+        return Thing(triangles, frame((0.0, 0.0, 0.052), (1, 0, 0), (0, 0, 1)), "power", ahead)
+    if name.startswith("box"):
+        return Thing(box(0.001 * float(name[3:])), frame((0, 0, 0.06), (1, 0, 0), (0, 1, 0)), "precision", ahead)
+    if name == "lever":
+        kept = WORKSPACE.objects.get("door").sites["lever"]
+        site = np.array([*kept.position, *kept.rotation])
+        return Thing(kind("door"), site, kept.grip, np.array([0.0, 1.0, 0.0]))
+    if name == "tap":
+        kept = WORKSPACE.objects.get("tap").sites["handle"]
+        return Thing(kind("tap"), np.array([*kept.position, *kept.rotation]), kept.grip, -ahead)
+    if name == "plate":
+        return Thing(lathe(PLATE), frame((0.0, 0.0, 0.012), (1, 0, 0), (0, 0, 1)), "precision", ahead)
+    assert name == "knob"
+    return Thing(lathe(KNOB), frame((0.0, 0.0, 0.035), (0, 0, -1), (0, 1, 0)), "precision", ahead)
+
+
+@cache
+def field(name: str) -> Field:
+    triangles, place = thing(name).triangles, thing(name).site[:3]
+    vertices = triangles.reshape(-1, 3)
+    return build(vertices, np.arange(len(vertices)).reshape(-1, 3), place - 0.14, place + 0.14)
+
+
+def outside(points: Array, triangles: Array, near: float = NEAR) -> Array:
+    """The distance (n) of points (n, 3) from triangles, negative inside, `near` for what is farther; exactly.
+
+    The side is told by the winding number: the solid angles of all triangles (Van Oosterom and Strackee 1983).
+    """
+    low, high = points.min(axis=0) - near, points.max(axis=0) + near
+    met = triangles[((triangles.max(axis=1) > low) & (triangles.min(axis=1) < high)).all(axis=1)]
+    found = np.full(len(points), near)
+    for triangle in met:
+        about = (points > triangle.min(axis=0) - near).all(axis=1) & (points < triangle.max(axis=0) + near).all(axis=1)
+        some = points[about]
+        if len(some):
+            on = trimesh.triangles.closest_point(np.repeat(triangle[None], len(some), axis=0), some)
+            found[about] = np.minimum(found[about], np.linalg.norm(on - some, axis=1))
+    close = np.flatnonzero(found < near)
+    found[close] *= np.where(np.abs(winding(points[close], triangles)) > 0.5, -1.0, 1.0)
+    return found
+
+
+def winding(points: Array, triangles: Array) -> Array:
+    total = np.zeros(len(points))
+    for triangle in triangles:
+        a, b, c = (corner - points for corner in triangle)
+        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+        volume = np.einsum("nc,nc->n", a, np.cross(b, c))
+        below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+        total += np.arctan2(volume, below)
+    return total / (2.0 * np.pi)

@@ -1,0 +1,120 @@
+"""Hands of both humans on cups, a lever, a tap, a plate, boxes, a knob: what the skin that viewers show does there."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX, LINKS, fingers
+from ahmss.body.quaternion import conjugate, from_matrix, multiply, rotate
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import Holding
+from ahmss.grasping.power import power
+from ahmss.grasping.precision import precision
+from tests.demo.skin import Skin
+
+from .shapes import WORKSPACE, field, outside, thing
+
+DEEPEST = 0.002  # metres that a finger may be within the shape
+TOUCHES = 0.003  # metres within which the skin is on it
+OPPOSITE = -0.6  # cosine between the normals under the thumb and under the finger most opposite to it
+NAMES = ("cup40", "cup55", "cup72", "cup90", "cup110", "lever", "tap", "plate", "box60", "box80", "knob")
+ALL = ("cup72", "lever", "plate", "box60")  # held by either hand of both; the others by ken's right, aiko's left
+HANDS = [("ken", "right"), ("ken", "left"), ("aiko", "right"), ("aiko", "left")]
+WITHIN = np.array([[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [0, 1, 1], [1, 0, 1], [2 / 3, 2 / 3, 2 / 3]]) / 2.0
+
+
+@cache
+def held(name: str, who: str, side: str) -> Holding | None:
+    """The grip of a palm that comes from 10 cm before the site."""
+    at = thing(name)
+    hand = Hand.of(WORKSPACE.humans.get(who).skeleton, side)
+    if at.grip == "precision":
+        grip = np.concatenate([at.site[:3] - 0.1 * rotate(at.site[3:], np.array([1.0, 0.0, 0.0])), at.site[3:]])
+        return precision(hand, field(name), grip, at.site)
+    up = rotate(at.site[3:], np.array([0.0, 0.0, 1.0]))
+    turned = from_matrix(np.stack([at.palm, np.cross(up, at.palm), up], axis=1))
+    return power(hand, field(name), np.concatenate([at.site[:3] - 0.1 * at.palm, turned]), at.site)
+
+
+@cache
+def skin(who: str) -> Skin:
+    shape = WORKSPACE.humans.shape(who)
+    return Skin.read(shape.glb, WORKSPACE.humans.get(who).skeleton)
+
+
+def on_object(holding: Holding, who: str, side: str) -> tuple[Array, Array]:
+    """Points (n, 3) on the faces of the fingers' skin in the object's frame, and their links (n)."""
+    skeleton = WORKSPACE.humans.get(who).skeleton
+    rotations, root = skeleton.upright()
+    rotations = rotations.copy()
+    rotations[list(fingers(side))] = holding.shape
+    of = skin(who)
+    chosen = np.flatnonzero(np.isin(of.link, list(fingers(side))))
+    faces = np.searchsorted(chosen, of.faces[np.isin(of.link, list(fingers(side)))[of.faces].all(axis=1)])
+    places, turned = forward(rotations, root, skeleton.offsets)
+    on_hand, hand = skeleton.grips[0 if side == "right" else 1], INDEX[f"{side}_hand"]
+    palm, q_palm = places[hand] + rotate(turned[hand], on_hand[:3]), multiply(turned[hand], on_hand[3:])
+    seen = rotate(conjugate(q_palm), of.posed(rotations, root, chosen) - palm)
+    seen = holding.palm[:3] + rotate(holding.palm[3:], seen)
+    return (WITHIN @ seen[faces]).reshape(-1, 3), np.repeat(of.link[chosen][faces[:, 0]], len(WITHIN))
+
+
+@pytest.mark.parametrize(
+    ("name", "who", "side"),
+    [(name, *hand) for name in NAMES for hand in (HANDS if name in ALL else HANDS[::3])],
+)
+def test_it_holds_and_no_finger_is_deeper_than_2_mm(name: str, who: str, side: str) -> None:
+    holding = held(name, who, side)
+    assert holding is not None
+    assert holding.holds
+    points, link = on_object(holding, who, side)
+    distance = outside(points, thing(name).near, TOUCHES)
+    deepest = int(distance.argmin())
+    assert distance[deepest] > -DEEPEST, LINKS[link[deepest]]
+    on = {LINKS[k].split("_")[1] for k in set(link[distance < TOUCHES].tolist())}
+    assert "thumb" in on
+    assert len(on) >= (2 if name == "tap" else 3), on
+    thumb = points[(link == INDEX[f"{side}_thumb_distal"]) | (link == INDEX[f"{side}_thumb_proximal"])]
+    others = points[~np.isin(link, [INDEX[f"{side}_thumb_distal"], INDEX[f"{side}_thumb_proximal"]])]
+    assert facing(thumb, others, name) < OPPOSITE
+
+
+def facing(thumb: Array, others: Array, name: str) -> float:
+    """The least cosine between the surface's normals at the thumb's nearest points and those where fingers touch."""
+    normals = [exact_normals(points, name) for points in (thumb, others)]
+    return float((normals[0] @ normals[1].T).min())
+
+
+def exact_normals(points: Array, name: str) -> Array:
+    """Normals (m, 3), by exact differences, at those of the points that are on the surface."""
+    near = thing(name).near
+    touching = points[outside(points, near, TOUCHES) < TOUCHES][::7]
+    step = 2e-3 * np.eye(3)
+    slope = np.stack([outside(touching + s, near, 0.01) - outside(touching - s, near, 0.01) for s in step], axis=1)
+    return slope / np.linalg.norm(slope, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize(("name", "side"), [("cup72", "right"), ("plate", "right"), ("box60", "left")])
+def test_the_other_hand_holds_it_mirrored(name: str, side: str) -> None:
+    one, other = held(name, "ken", "right"), held(name, "ken", "left")
+    assert one is not None
+    assert other is not None
+    np.testing.assert_allclose(one.flexion, other.flexion, atol=0.15)
+    assert one.thumb.out == pytest.approx(other.thumb.out, abs=0.15)
+
+
+def test_a_wider_cup_opens_the_hand() -> None:
+    grips = [held(name, "aiko", "right") for name in ("cup40", "cup55", "cup72", "cup90", "cup110")]
+    bent = [grip.flexion[1].sum() for grip in grips if grip is not None]
+    assert len(bent) == 5
+    assert (np.diff(bent) < -0.1).all()
+
+
+def test_what_is_wider_than_a_hand_is_not_held() -> None:
+    wide = held("box150", "ken", "right")
+    assert wide is None or not wide.holds
