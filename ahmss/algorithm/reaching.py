@@ -6,7 +6,7 @@ What the shipped algorithms that bring a hand to something share, and an author 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 
 import numpy as np
 
@@ -23,9 +23,10 @@ from ahmss.reaching.carried import Carried
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.performing import SHAPED_BY, Fingers
+from ahmss.reaching.plan import Found, Plan, Reaching
 from ahmss.reaching.prism import Prism
 
-__all__ = ["Looking", "goal_of", "prisms_of", "reach_while_carried", "refuse_far", "sides_of"]
+__all__ = ["Looking", "goal_of", "planned", "prisms_of", "reach_while_carried", "refuse_far", "sides_of"]
 
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for, and told of
 _TOLD = 0.003  # metres
@@ -87,6 +88,33 @@ def prisms_of(task: HumanTask) -> list[Prism]:
         low = float(thing.place[2])
         found += [Prism(ring, low, low + height, thing is task.object) for ring in thing.occupied if len(ring) >= 3]
     return found
+
+
+def planned(
+    task: HumanTask, reaching: Reaching, goal: Goal, gaze: Looking, prisms: Sequence[Prism], off: Array | None = None
+) -> Generator[Array, None, Plan]:
+    """The plan of a reach, made a part in each of a few frames (1, 260) in which only the gaze moves.
+
+    Args:
+        task: whose notes are told of it. reaching: who. goal: where. gaze: on its way there.
+        prisms: what may be in the way.
+        off: (3,) metres by which the hand is first brought elsewhere, on its way to the goal.
+
+    Raises:
+        AlgorithmError: it is out of reach; says by how much.
+    """
+    yield gaze.alone()
+    reacher = reaching.better_side(goal, sides_of(task), prisms)
+    found: list[Found] = []
+    for better in reaching.postures(reacher, goal, prisms):
+        found = [better]
+        if gaze.frames + 1 < task.length or not task.length:
+            yield gaze.alone()
+    posture, palm, arm = found[0]
+    refuse_far(task, reacher.side, arm)
+    if off is not None:
+        palm = np.concatenate([palm[:3] + off, palm[3:]])
+    return reaching.way(reacher, (posture, palm, arm), goal.place, prisms)
 
 
 def refuse_far(task: HumanTask, side: str, arm: Stretch) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,16 +21,20 @@ class Goal:
 
     place (3,), world. rotation: (4,) of the palm's frame, or None where it is free. around: (7,) a frame around whose
     z axis it is free, x away from the human. before: metres that the palm stays before the place, along its own x.
+    palms: for each side the palms (n, 7) that fulfil it, where these are known otherwise.
     """
 
     place: Array
     rotation: Array | None = None
     around: Array | None = None
     before: float = 0.0
+    palms: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
 
 def palms_of(goal: Goal, reacher: Reacher, shoulder: Array) -> Array:
     """The palms (n, 7) that fulfil a goal, for an arm whose shoulder is at (3,)."""
+    if goal.palms:
+        return goal.palms[reacher.side]
     if goal.rotation is not None:
         turned = goal.rotation[None]
     elif goal.around is not None:

@@ -37,6 +37,7 @@ Fingers = tuple[list[int], Array]
 _TRIES, _HIGHER = 3, 0.07  # metres
 _AIR = 0.002  # metres between the skin and things on the way
 _OTHER = 0.3  # the other arm's importance
+_NOTHING_THEN: Array = np.zeros((0, 7))
 _NO_FINGERS: Fingers = ([], np.zeros((0, 4)))
 
 
@@ -55,7 +56,9 @@ class Performed:
     jumps: bool
 
 
-def perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers = _NO_FINGERS) -> Performed:
+def perform(
+    plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers = _NO_FINGERS, then: Array | None = None
+) -> Performed:
     """The frames of a plan at shares of its time (n).
 
     Args:
@@ -63,21 +66,24 @@ def perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finger
         time: rising, the first later than 0.
         gaze: (3,) what is looked at. looked: (n,) how much of the way to it the gaze has turned.
         fingers: links and the rotations (m, 4) that they have at the end.
+        then: palms (m, 7) of frames that follow, the trunk as it then is; `looked` is of these too.
     """
-    made = _perform(plan, time, gaze, looked, fingers)
+    then = _NOTHING_THEN if then is None else then
+    made = _perform(plan, time, gaze, looked, fingers, then)
     others = [prism for prism in plan.near if not prism.sought]
     for _ in range(_TRIES if others else 0):
-        if _touch(plan, others, made, time) <= 0.0:
+        if _touch(plan, others, made, len(time)) <= 0.0:
             break
         plan = plan.raised(_HIGHER)
-        made = _perform(plan, time, gaze, looked, fingers)
+        made = _perform(plan, time, gaze, looked, fingers, then)
     return made
 
 
-def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers) -> Performed:
+def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers, then: Array) -> Performed:
     reacher, skeleton = plan.reacher, plan.reacher.skeleton
+    palms = np.concatenate([plan.palms(time), then])
+    time = np.concatenate([time, np.ones(len(then))])
     trunk, n = plan.trunk(time), len(time)
-    palms = plan.palms(time)
     rotations = trunk.rotations
     if plan.standing is not None and plan.helped:
         rotations = plan.standing.on_feet(rotations, trunk.root)
@@ -121,8 +127,8 @@ def _other_arm(plan: Plan, rotations: Array, root: Array) -> Array:
     return solve(reacher.skeleton, rotations, root, targets)[:, reacher.other]
 
 
-def _touch(plan: Plan, prisms: Sequence[Prism], made: Performed, time: Array) -> float:
-    """How deep, metres, the skin of forearm, hand and fingers is in things on the way; less than 0 where it is not.
+def _touch(plan: Plan, prisms: Sequence[Prism], made: Performed, n: int) -> float:
+    """How deep, metres, the skin of forearm, hand and fingers is in things in the first n frames; below 0 in none.
 
     Towards either end it may be as near as it is there.
     """
@@ -133,7 +139,8 @@ def _touch(plan: Plan, prisms: Sequence[Prism], made: Performed, time: Array) ->
     ends = places[:, links] + rotate(turned[:, links], skeleton.tips[links])
     middles = 0.5 * (places[:, links] + ends)
     gap = clearance(prisms, np.stack([places[:, links], middles, ends])) - skeleton.radii[links]
-    gap = gap.min(axis=0)
+    gap = gap.min(axis=0)[:n]
+    time = np.arange(1, n + 1) / n
     first, last = np.minimum(gap[0], _AIR), np.minimum(gap[-1], _AIR)
     least = np.where(time[:, None] < 0.2, first, np.where(time[:, None] > 0.75, last, _AIR))
     return float((least - gap).max())

@@ -12,13 +12,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.reaching import Looking, goal_of, prisms_of, reach_while_carried, refuse_far, sides_of
+from ahmss.algorithm.reaching import Looking, goal_of, planned, prisms_of, reach_while_carried
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.motion.fingers import opened
 from ahmss.reaching.performing import Fingers, perform
-from ahmss.reaching.plan import Found, Reaching
+from ahmss.reaching.plan import Reaching
 
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
@@ -34,20 +34,13 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     goal = goal_of(task)
     gaze = Looking(task, goal.place)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    prisms = prisms_of(task)
-    yield gaze.alone()
-    reacher = reaching.better_side(goal, sides_of(task), prisms)
-    found: list[Found] = []
-    for better in reaching.postures(reacher, goal, prisms):
-        found = [better]
-        if gaze.frames + 1 < task.length or not task.length:
-            yield gaze.alone()
-    refuse_far(task, reacher.side, found[0][2])
-    plan = reaching.way(reacher, found[0], goal.place, prisms)
+    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task))
     first = gaze.frames
     length = task.length or first + round(plan.seconds * task.rate)
     time = np.arange(1, length - first + 1) / (length - first)
-    made = perform(plan, time, goal.place, gaze.turned(np.arange(first + 1, length + 1)), _shape(task, reacher.side))
+    made = perform(
+        plan, time, goal.place, gaze.turned(np.arange(first + 1, length + 1)), _shape(task, plan.reacher.side)
+    )
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 

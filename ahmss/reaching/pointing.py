@@ -1,0 +1,72 @@
+"""A hand that points: the index finger straight, the others curled, and the palms that bring its tip to a place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import IDENTITY, between, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.skeleton import Skeleton
+
+__all__ = ["palms_pointing", "pointing"]
+
+_CURLED = np.radians([70.0, 85.0, 50.0])  # knuckle, middle and end joint of the other fingers
+_STRAIGHT = np.radians([8.0, 4.0, 3.0])  # of the index: a finger that pushes is not quite straight
+_THUMB = np.radians([45.0, 40.0])  # to the palm, and its end over the middle finger
+_ROLLS = np.radians(np.arange(-20.0, 111.0, 10.0))  # from thumb up to palm down
+_TILTS = np.radians([-30.0, -15.0, 0.0, 15.0])  # of the finger against the way it pushes, up and down
+_SIDES = np.radians([-15.0, 0.0, 15.0])
+_X = np.array([1.0, 0.0, 0.0])
+
+
+def pointing(side: str) -> Array:
+    """Rotations (14, 4) of the fingers of a "right" or "left" hand that points."""
+    rotations = np.tile(IDENTITY, (14, 1))
+    first, sign = fingers(side)[0], 1.0 if side == "left" else -1.0
+    hinge = np.array([0.0, 0.0, sign])
+    for finger in ("index", "middle", "ring", "little"):
+        angles = _STRAIGHT if finger == "index" else _CURLED
+        for segment, angle in zip(("proximal", "intermediate", "distal"), angles, strict=True):
+            rotations[INDEX[f"{side}_{finger}_{segment}"] - first] = from_axis_angle(hinge, angle)
+    thumb = INDEX[f"{side}_thumb_proximal"] - first
+    rotations[thumb] = from_axis_angle(hinge, _THUMB[0])
+    rotations[thumb + 1] = from_axis_angle(hinge, _THUMB[1])
+    return rotations
+
+
+def palms_pointing(skeleton: Skeleton, side: str, place: Array, into: Array) -> Array:
+    """Palms (n, 7) whose index fingertip is at a place (3,), the finger about along a direction (3,), unit.
+
+    The straight way in, thumb up to palm down, comes first; then the same a little tilted.
+    """
+    tip, along = _fingertip(skeleton, side)
+    row, sign = (1, 1.0) if side == "left" else (0, -1.0)
+    tilt, aside, roll = (a.ravel() for a in np.meshgrid(_TILTS, _SIDES, _ROLLS, indexing="ij"))
+    # A hand whose fingers point along the level of `into`, thumb up: hand x along it, z down.
+    down = np.array([0.0, 0.0, -1.0])
+    level = into if abs(into[2]) < 0.9 else _X
+    across = np.cross(down, level)
+    across = across / np.linalg.norm(across)
+    ahead = np.cross(across, down)
+    matrix = np.stack([ahead, across, down], axis=-1)
+    hand = multiply(between(ahead, into), from_matrix(matrix))
+    turn = multiply(from_axis_angle(across, tilt), from_axis_angle(down, aside))
+    hand = multiply(turn, multiply(from_axis_angle(into, sign * roll), hand))
+    hand = multiply(hand, between(along, _X))  # the finger itself, which is a little bent
+    place = place - rotate(hand, tip)
+    grip = skeleton.grips[row]
+    return np.concatenate([place + rotate(hand, grip[:3]), multiply(hand, grip[3:])], axis=-1)
+
+
+def _fingertip(skeleton: Skeleton, side: str) -> tuple[Array, Array]:
+    """The index fingertip (3,) of a pointing hand and the direction (3,) from its knuckle, in the hand's frame."""
+    shape, first = pointing(side), fingers(side)[0]
+    links = [INDEX[f"{side}_index_{segment}"] for segment in ("proximal", "intermediate", "distal")]
+    place, turned = np.zeros(3), IDENTITY
+    for link in links:
+        place = place + rotate(turned, skeleton.offsets[link])
+        turned = multiply(turned, shape[link - first])
+    tip = place + rotate(turned, skeleton.tips[links[-1]])
+    along = tip - skeleton.offsets[links[0]]
+    return tip, along / np.linalg.norm(along)

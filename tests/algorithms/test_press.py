@@ -1,0 +1,100 @@
+"""press: the fingertip goes into a button's face by its travel, straight, and comes out again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm.messages import PoseRecord, Start
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import from_axis_angle, rotate
+from ahmss.errors import AlgorithmError
+from ahmss.motion.smoothness import worst_pop
+
+from .reached import outlined
+from .scene import Body, frame_of, program, record
+
+SWITCH, TELEVISION = "room/television/switch", "room/television"
+TRAVEL = 0.004
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def pressed(body: Body, name: str = SWITCH, frame: Transform | None = None, **given: Any) -> Start:
+    return Start(
+        kind="human", human=body.skeleton.to_record(), pose=PoseRecord.of(body.rotations, body.root),
+        object=outlined(record(name, frame), 3), site="face", world=[outlined(record(TELEVISION), 11)],
+        **({"frames": 0, "wish": True} | given),
+    )  # fmt: skip
+
+
+def standing(name: str, frame: Transform, away: float, aside: float, turn: float) -> Body:
+    """A human before a button that faces along its x, turned aside by degrees."""
+    place = frame.apply(np.array([away, aside, 0.0]))
+    out = rotate(frame.rotation, np.array([1.0, 0.0, 0.0]))
+    return Body(name, float(place[0]), float(place[1]), float(np.degrees(np.arctan2(-out[1], -out[0]))) + turn)
+
+
+def fingertip(body: Body, shown: list[HumanPose], face: Transform) -> Array:
+    """The index fingertip (F, 3) of the hand that presses, in the frame of the face."""
+    link = INDEX[f"{('right', 'left')[int(shown[-1].targets[1, 7])]}_index_distal"]
+    rotations, root = np.array([p.rotations for p in shown]), np.array([p.root for p in shown])
+    places, turned = forward(rotations, root, body.skeleton.offsets)
+    return face.inverse().apply(places[:, link] + rotate(turned[:, link], body.skeleton.tips[link]))
+
+
+def face_of(frame: Transform) -> Transform:
+    return frame.then(Transform(np.array([0.012, 0.0, 0.0]), np.array([1.0, 0.0, 0.0, 0.0])))
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_fingertip_pushes_the_face_by_its_travel(name: str, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    height = random.uniform(0.6, 1.5)
+    frame = Transform(np.array([2.0, 1.0, height]), from_axis_angle(UP, random.uniform(-np.pi, np.pi)))
+    body = standing(name, frame, random.uniform(0.4, 0.55), random.uniform(-0.25, 0.25), random.uniform(-25.0, 25.0))
+    start = pressed(body, frame=frame)
+    start.world.clear()
+    shown = body.do("press", start)
+    tip = fingertip(body, shown, face_of(frame))
+    deepest = int(tip[:, 0].argmin())
+    assert tip[deepest, 0] == pytest.approx(-TRAVEL, abs=1e-3)
+    near = np.abs(tip[:, 0]) < 0.02  # straight in, straight out
+    assert np.abs(tip[near, 1:]).max() < 1e-3
+    assert 9 <= (tip[:, 0] < 0.0).sum() <= 18  # 150 to 300 ms
+    assert tip[-1, 0] > 0.02
+    assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
+
+
+def test_the_others_are_curled_and_the_index_is_straight() -> None:
+    frame = frame_of(SWITCH)
+    body = standing("ken", frame, 0.4, 0.0, 0.0)
+    shown = body.do("press", pressed(body))
+    side = ("right", "left")[int(shown[-1].targets[1, 7])]
+    bent = {f: 2.0 * np.arccos(abs(shown[-1].rotations[INDEX[f"{side}_{f}_proximal"], 0])) for f in ("index", "ring")}
+    assert np.degrees(bent["index"]) < 15.0
+    assert np.degrees(bent["ring"]) > 60.0
+
+
+def test_the_other_hand_presses_where_one_holds_something() -> None:
+    body = standing("ken", frame_of(SWITCH), 0.4, 0.0, 0.0)
+    poses = list(frames(program("press"), pressed(body, busy=["right"])))
+    assert poses[-1].targets[1, 7] == 1.0
+
+
+def test_out_of_reach_and_carried_are_refused() -> None:
+    body = standing("ken", frame_of(SWITCH), 1.6, 0.0, 0.0)
+    with pytest.raises(AlgorithmError, match="too short"):
+        list(frames(program("press"), pressed(body)))
+    with pytest.raises(AlgorithmError, match="standing"):
+        list(frames(program("press"), pressed(body, carried=True)))
+
+
+def test_asked_for_so_many_frames_it_takes_about_them() -> None:
+    body = standing("ken", frame_of(SWITCH), 0.4, 0.0, 0.0)
+    assert len(list(frames(program("press"), pressed(body, frames=150)))) == 150
