@@ -22,7 +22,7 @@ class Gait:
     swinging side (degrees). Of arms, elbows and trunk: the swing for a full step. Of the head: how far away it looks.
     """
 
-    step: float = 0.752
+    step: float = 0.766
     frames: int = 33
     both: int = 8
     width: float = 0.095
@@ -33,7 +33,7 @@ class Gait:
     rise_time: float = 0.255  # seconds before the foot leaves
     rise_over: float = 0.065  # and after it
     push_time: float = 0.1
-    strike: float = 20.0
+    strike: float = 20.6
     flat_time: float = 0.168
     peak: float = 0.118  # of the swing, after lift-off: when the foot points down most
     clearance: float = 0.0085  # metres
@@ -41,8 +41,8 @@ class Gait:
     drawn: float = 4.0  # how hard a foot that pushes off is drawn after the body
     slowing: float = 8.2  # how hard a striking foot is still slowing down: at rest before, it would wait in the air
 
-    sink: float = 0.0265
-    bob: float = 0.0135
+    sink: float = 0.0280
+    bob: float = 0.0145
     low: float = -0.01  # of the step, after a foot has landed: when the pelvis is lowest
     turn: float = 5.5
     list: float = 4.3

@@ -25,7 +25,7 @@ from .measures import HUMANS, Goal
 RANGES: dict[str, tuple[float, float]] = {
     "cadence": (96.0, 111.0),  # A 96, B 110 to 111
     "speed": (1.0, 1.35),
-    "step_per_leg": (0.68, 0.78),  # A 0.72, B 0.74 to 0.76
+    "step_per_leg": (0.70, 0.78),  # A 0.72, B 0.74 to 0.76
     "width": (0.04, 0.10),  # A 0.07, B 0.01 and 0.08, published 0.08 to 0.10
     "stance": (60.0, 67.0),
     "double": (10.0, 17.0),

@@ -1,4 +1,4 @@
-"""Walks to goals of every kind over an empty floor: what issue and bar ask of each, one figure a test.
+"""Walks to goals of every kind over an empty floor: what is asked of each, one figure a test.
 
 A grid and many more random goals are walked by `make test-long`.
 """
