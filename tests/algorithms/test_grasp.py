@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from ahmss.algorithm import Transform, frames
+from ahmss.algorithm.messages import PoseRecord, ShapeRecord, Start
+from ahmss.body.array import Array
+from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
+from ahmss.motion.fingers import Cylinder, closed
+from tests.grasping.shapes import outside, thing
 
-from .scene import CUP, Body, frame_of, program
+from .scene import CUP, DOOR, WORKSPACE, Body, frame_of, program, record
 
-RADIUS = 0.036
+RADIUS, HEIGHT = 0.036, 0.095
+TAP = "room/sink/tap"
+MIDDLE = [INDEX[f"right_middle_{segment}"] for segment in ("proximal", "intermediate", "distal")]
 
 
 def gaps(body: Body, side: str, axis: Transform) -> dict[str, float]:
@@ -21,9 +29,11 @@ def gaps(body: Body, side: str, axis: Transform) -> dict[str, float]:
     places, turned = forward(body.rotations, body.root, body.skeleton.offsets)
     found = {}
     for link in fingers(side):
-        along = np.linspace(0.0, 1.0, 33)[:, None] * body.skeleton.tips[link]
+        along = np.linspace(0.0, 0.85, 29)[:, None] * body.skeleton.tips[link]  # the very tip is thinner
         seen = axis.inverse().apply(places[link] + rotate(turned[link], along))
-        found[LINKS[link]] = float(np.hypot(seen[:, 0], seen[:, 1]).min()) - RADIUS - body.skeleton.radii[link]
+        level, above = np.hypot(seen[:, 0], seen[:, 1]) - RADIUS, np.maximum(seen[:, 2] - HEIGHT, -seen[:, 2])
+        apart = np.hypot(np.maximum(level, 0.0), np.maximum(above, 0.0)) + np.minimum(np.maximum(level, above), 0.0)
+        found[LINKS[link]] = float(apart.min()) - body.skeleton.radii[link]
     return found
 
 
@@ -60,6 +70,85 @@ def test_a_thicker_object_bends_the_fingers_less() -> None:
         links = [INDEX["right_middle_proximal"], INDEX["right_middle_intermediate"], INDEX["right_middle_distal"]]
         bent[diameter] = float(np.arccos(np.abs(body.rotations[links, 0])).sum())
     assert bent[0.05] > bent[0.09] + 0.2
+
+
+def at_site(name: str, site: str, away: Array, side: str = "right") -> tuple[Body, Start]:
+    """A human who stands before a site of an object, the palm facing it from a step (3,) in the site's frame."""
+    thing = record(name, shaped=True)
+    named = thing.sites[site]
+    at = frame_of(name).then(Transform(np.array(named.position), np.array(named.rotation)))
+    ahead = rotate(at.rotation, np.array([1.0, 0.0, 0.0]))
+    level = ahead * np.array([1.0, 1.0, 0.0])
+    shoulder = 0.12 * np.array([-level[1], level[0], 0.0]) * (1.0 if side == "right" else -1.0)
+    x, y, _ = at.place - 0.32 * level + shoulder
+    body = Body(x=float(x), y=float(y), facing=float(np.degrees(np.arctan2(level[1], level[0]))))
+    targets = np.zeros((5, 8))
+    row = 0 if side == "right" else 1
+    targets[row, :3], targets[row, 3:7], targets[row, 7] = at.apply(away), at.rotation, 1.0
+    body.rotations = solve(body.skeleton, body.rotations, body.root, targets)
+    pose = PoseRecord.of(body.rotations, body.root)
+    skeleton = body.skeleton.to_record()
+    return body, Start(
+        kind="human", human=skeleton, pose=pose, frames=30, object=thing, site=site, hand=side,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_lever_is_gripped_by_its_own_shape(side: str) -> None:
+    body, start = at_site(DOOR, "lever", np.array([-0.07, 0.0, 0.0]), side)
+    body.do("grasp", start)
+    places, turned = forward(body.rotations, body.root, body.skeleton.offsets)
+    at = frame_of(DOOR).inverse()
+    near: dict[str, float] = {}
+    for link in fingers(side):
+        along = np.linspace(0.0, 0.85, 12)[:, None] * body.skeleton.tips[link]
+        points = at.apply(places[link] + rotate(turned[link], along))
+        gap = float((outside(points, thing("lever").near) - body.skeleton.radii[link]).min())
+        assert gap > -0.002, LINKS[link]
+        finger = LINKS[link].split("_")[1]
+        near[finger] = min(gap, near.get(finger, 1.0))
+    assert near["thumb"] < 0.002
+    assert sum(gap < 0.002 for gap in near.values()) == 5
+
+
+def test_a_tap_is_taken_between_thumb_and_fingers_and_let_go_along_the_way_it_came() -> None:
+    body, start = at_site(TAP, "handle", np.array([-0.1, 0.0, 0.0]))
+    body.do("grasp", start)
+    before = body.grip().place
+    again = replace(start, pose=PoseRecord.of(body.rotations, body.root), frames=40, parameters={"open": True})
+    body.do("grasp", again)
+    ahead = rotate(frame_of(TAP).rotation, np.array([-1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(body.grip().place - before, -0.06 * ahead, atol=3e-3)
+
+
+def test_a_curled_hand_opens_before_it_closes() -> None:
+    body = Body()
+    body.do("reach", body.start(CUP, "reach"))
+    fist = closed(body.skeleton, "right", Cylinder(np.array([0.09, -0.03, 0.0]), np.array([0.0, 0.0, 1.0]), 0.01))
+    body.rotations[list(fingers("right"))] = fist
+    shown = body.do("grasp", body.start(CUP, "grasp"))
+    bent = [float(np.arccos(np.abs(pose.rotations[MIDDLE, 0])).sum()) for pose in shown]
+    assert min(bent) < bent[-1] - 0.1
+    assert bent[0] > bent[-1] + 0.2
+
+
+def test_what_is_too_wide_for_a_hand_is_told() -> None:
+    body = Body()
+    body.do("reach", body.start(CUP, "reach"))
+    start = body.start(CUP, "grasp")
+    kept = WORKSPACE.objects.kept_shape("carton")  # where the cup is: the palm is at its middle
+    assert kept is not None
+    assert start.object is not None
+    wide = replace(start.object, shape=ShapeRecord(str(kept[0]), kept[1]))
+    with pytest.raises(AlgorithmError, match="can't close around room/cup there; it spans"):
+        list(frames(program("grasp"), replace(start, object=wide)))
+
+
+def test_without_a_shape_and_a_diameter_it_says_what_is_missing() -> None:
+    _, start = at_site(DOOR, "lever", np.array([-0.07, 0.0, 0.0]))
+    assert start.object is not None
+    with pytest.raises(AlgorithmError, match="needs room/doorway/door's shape or its diameter"):
+        list(frames(program("grasp"), replace(start, object=replace(start.object, shape=None))))
 
 
 def test_it_says_so_when_the_cup_is_out_of_reach() -> None:
