@@ -215,8 +215,10 @@ class Task:
     frame_size = _HUMAN
 
     def _move(self, k: float, number: int, place: Array, rotation: Array) -> None:
-        """An object is elsewhere now, at frame k; one that is not known is not missed."""
+        """An object is elsewhere now, at frame k; one that is not known is not missed, a human who has come is."""
         target = self.object if self.object is not None and self.object.id == number else self.world.get(number)
+        if target is None and number < 0:
+            target = self.world[number] = WorldObject(number, "", "human", place.copy(), rotation.copy())
         if target is not None:
             target.place[:] = place
             target.rotation[:] = rotation

@@ -116,7 +116,8 @@ class Control:
             process = motion.process
             if process is None or not process.active:
                 continue
-            moved = latest(motion.missed, among(self._changes, motion.knows))
+            humans = motion.order.human_algorithm.humans
+            moved = latest(motion.missed, among(self._changes, motion.knows, strangers=humans))
             if process.pending:
                 motion.missed = moved
             elif not motion.asked_all:

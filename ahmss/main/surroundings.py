@@ -44,11 +44,13 @@ class Surroundings:
         return np.concatenate([own, rows]) if len(own) else rows
 
 
-def among(moved: Array, known: Array) -> Array:
-    """Those rows (n, 8) whose ids are among the known, (m,) in rising order."""
-    if not len(known) or not len(moved):
+def among(moved: Array, known: Array, *, strangers: bool = False) -> Array:
+    """Those rows (n, 8) whose ids are among the known, (m,) in rising order; with `strangers` all humans as well."""
+    if not len(moved) or not (len(known) or strangers):
         return NOTHING
-    chosen = known[np.minimum(np.searchsorted(known, moved[:, 0]), len(known) - 1)] == moved[:, 0]
+    chosen = np.isin(moved[:, 0], known)
+    if strangers:
+        chosen |= moved[:, 0] < 0.0
     return moved[chosen]
 
 

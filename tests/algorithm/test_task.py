@@ -190,6 +190,15 @@ def test_where_other_humans_were_is_remembered(make_start):
     assert not task.world[9].seen
 
 
+def test_a_human_who_comes_later_is_among_the_others(make_start):
+    task = HumanTask(make_start(world=[]))
+    moved = [[-3, 1, 2, 0, 1, 0, 0, 0], [8, 1, 2, 0, 1, 0, 0, 0]]
+    task.see(np.concatenate([np.zeros(190), np.ravel(moved).astype(float)]))
+    assert list(task.world) == [-3]
+    assert task.world[-3].kind == "human"
+    np.testing.assert_array_equal(task.world[-3].place, [1, 2, 0])
+
+
 def test_what_an_object_occupies_goes_where_it_goes(make_start):
     ring = [(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)]
     door = ObjectRecord(9, "door", "door", (1.0, 1.0, 0.5), (1.0, 0.0, 0.0, 0.0), footprint=[ring])

@@ -125,6 +125,24 @@ def test_what_moved_while_an_algorithm_was_late_is_told_with_its_next_frame() ->
     assert len(second) == 0
 
 
+def test_who_comes_after_an_algorithm_has_begun_is_told_of() -> None:
+    communication, process = SimpleNamespace(world=crowd((0, 0, 0), (1, 0, 0)), human="me"), Slow()
+    process.pending = 0
+    control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
+    body = SimpleNamespace(root=np.zeros(3), rotations=np.zeros((43, 4)), grips=np.zeros((2, 7)))
+    for humans in (True, False):
+        algorithm = SimpleNamespace(humans=humans, carries=False)
+        motion = Motion(SimpleNamespace(after=0, frames=0, wish=True, human_algorithm=algorithm), 1)  # type: ignore[arg-type]
+        motion.process, motion.knows = process, known((-4,))  # type: ignore[assignment]
+        control._motions[:] = [motion]
+        for places in (((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (1, 0, 0), (5, 6, 0))):
+            communication.world = crowd(*places)
+            control.see(body)  # type: ignore[arg-type]
+        control.ask_humans()
+        told = process.asked.pop()
+        assert sorted(told[:, 0].tolist()) == ([-5.0, -4.0] if humans else [])
+
+
 def test_an_algorithm_follows_a_human_that_moves(server: Start, join: Join, workspace: Path) -> None:
     write_algorithm(workspace, "stalk", "human", 'world = "none"\nhumans = true\n', STALK)
     with (workspace / "objectdb/box/object.toml").open("a") as file:
