@@ -19,36 +19,46 @@ from ahmss.body.quaternion import from_axis_angle, rotate
 
 FINGERS = ("index", "middle", "ring", "little")
 LARGEST = 1.57  # radians, where its properties do not say
+BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
 
 
 def turned(task: ObjectTask) -> Iterator[ObjectPose]:
     """The lever's angle at each frame of the human."""
-    side = task.hand or "right"
+    sides = (task.hand,) if task.hand else ("right", "left")
     state = task.parameter("state", "turn")
     axis = np.array(task.object.properties.get("axis", (0.0, 0.0, 1.0)), float)
     axis /= np.linalg.norm(axis)
     pivot = np.array(task.object.properties.get("pivot", (0.0, 0.0, 0.0)), float)
     largest = float(task.object.properties.get("largest", LARGEST))
     lever = np.array(task.object.sites[task.message.site].position) - pivot
-    angle = hand = float(task.object.states.get(state, 0.0))
-    leads: int | None = None  # palm or pinch
-    before = np.zeros(3)
+    angle = way = float(task.object.states.get(state, 0.0))
+    leads: tuple[str, int] | None = None  # a hand, and its palm or pinch
+    before, bent = np.zeros(3), {side: _bent(task.start, side) for side in sides}
     for human in task.frames():
-        points = _points(task, human, side) - pivot
-        apart = np.linalg.norm(points - rotate(from_axis_angle(axis, angle), lever), axis=1)
-        if apart.min() > task.parameter("threshold", 0.05) or not _holds(
-            human, side, task.parameter("closed_hand", 85.0)
-        ):
+        points = {side: _points(task, human, side) - pivot for side in sides}
+        end = rotate(from_axis_angle(axis, angle), lever)
+        side, apart = _nearest(points, end)
+        now = {hand: _bent(human, hand) for hand in sides}
+        bends, bent = abs(now[side] - bent[side]) > BENDS, now  # while they close and open, fingertips go a long way
+        near = apart.min() <= task.parameter("threshold", 0.05)
+        if bends or not near or now[side] < task.parameter("closed_hand", 85.0):
             leads = None
         elif leads is None:
-            leads, hand = int(apart.argmin()), angle
+            leads, way = (side, int(apart.argmin())), angle
         else:
-            hand += _between(before, points[leads], axis)
-            angle = float(np.clip(hand, 0.0, largest))
+            way += _between(before, points[leads[0]][leads[1]], axis)
+            angle = float(np.clip(way, 0.0, largest))
         if leads is not None:
-            before = points[leads]
+            before = points[leads[0]][leads[1]]
         told = {state: round(float(np.radians(round(np.degrees(angle), 1))), 4)}
         yield task.pose(None, None, told if state in task.object.states else {})
+
+
+def _nearest(points: dict[str, Array], end: Array) -> tuple[str, Array]:
+    """The hand that is nearest to the lever's end, and how far its palm and its pinch are from it (2,)."""
+    apart = {side: np.linalg.norm(place - end, axis=1) for side, place in points.items()}
+    side = min(apart, key=lambda side: float(apart[side].min()))
+    return side, apart[side]
 
 
 def _points(task: ObjectTask, human: HumanFrame, side: str) -> Array:
@@ -63,11 +73,11 @@ def _between(before: Array, now: Array, axis: Array) -> float:
     return float(np.arctan2(np.cross(a, b) @ axis, a @ b))
 
 
-def _holds(human: HumanFrame, side: str, degrees: float) -> bool:
-    """Whether the four fingers are bent so far, knuckle and middle joint together, on the average."""
+def _bent(human: HumanFrame, side: str) -> float:
+    """How far the four fingers are bent, knuckle and middle joint together, on the average, degrees."""
     links = [INDEX[f"{side}_{finger}_{segment}"] for finger in FINGERS for segment in ("proximal", "intermediate")]
     bent = 2.0 * np.arccos(np.clip(np.abs(human.rotations[links, 0]), 0.0, 1.0))
-    return bool(np.degrees(bent.sum()) >= degrees * len(FINGERS))
+    return float(np.degrees(bent.sum())) / len(FINGERS)
 
 
 if __name__ == "__main__":

@@ -151,3 +151,17 @@ def test_it_turns_back_from_where_it_stands() -> None:
 def test_an_open_hand_and_one_beside_it_turn_nothing() -> None:
     assert turning(np.linspace(0.0, 40.0, 20), closed=0.0)[-1]["turn"] == 0.0
     assert turning(np.linspace(0.0, 40.0, 20), away=0.3)[-1]["turn"] == 0.0
+
+
+def test_closing_and_opening_fingers_turn_nothing() -> None:
+    hand = Hand(closed=45.0)
+    palm = grips(hand.body.skeleton, hand.rotations, hand.body.root)[0, :3]
+    rows = hand.rows(palm, [frame_of(TAP).apply(np.array([0.075, 0.002 * k, 0.243])) for k in range(12)])
+    for row, more in zip(rows, (*range(0, 36, 6), *range(30, -6, -6)), strict=True):
+        rotations = row[4:176].reshape(43, 4)
+        for link in list(fingers("right"))[2:]:
+            bend = from_axis_angle(np.array([0.0, 1.0, 0.0]), np.array(np.radians(more)))
+            rotations[link] = multiply(rotations[link], bend)
+    first = {"turn": 0.3, "flow": "running"}
+    states = told(frames(program("turned"), hand.start(TAP, "lever", states=first), rows), first)
+    assert np.degrees([state["turn"] for state in states]) == pytest.approx(np.degrees(0.3), abs=0.1)
