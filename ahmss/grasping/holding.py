@@ -30,11 +30,10 @@ class Holding:
     """A hand that has closed.
 
     palm: (7,) the palm's frame in the object's. shape: (14, 4) rotations of the fingers, in the order of links;
-    flexion: (4, 3) and thumb: the same as angles.
-    touching: which of thumb, index, middle, ring and little finger touch. links: how many of the
-    fingers' twelve links do. facing: cosine between the thumb's normal and
-    that of the finger most opposite to it: -1 where they press against each other, 1 where one of the two is missing.
-    depth: metres by which some skin is within the shape, 0 for none.
+    flexion: (4, 3) and thumb: the same as angles. touching: which of thumb, index, middle, ring and little finger
+    touch. links: how many of the fingers' twelve links do. facing: cosine between the thumb's normal and that of the
+    finger most opposite to it: -1 where they press against each other, 1 where one of the two is missing. depth: metres
+    by which some skin is within the shape, 0 for none.
     """
 
     palm: Array
@@ -50,6 +49,11 @@ class Holding:
     def holds(self) -> bool:
         """Whether it would hold the object."""
         return self.facing < HOLDS and self.depth < DEEP
+
+    def well(self, links: int) -> bool:
+        """Whether it holds so well, with so many links touching, that no better one need be looked for."""
+        eased = self.thumb.out < THUMB_EASY and self.depth < 0.5 * DEEP
+        return eased and self.facing < WELL and self.links >= links
 
 
 @dataclass(frozen=True)
@@ -86,8 +90,7 @@ class Trial:
 def best(hand: Hand, field: Field, trial: Trial) -> Holding:
     """Close the hands of a trial, the first alone where that will do, and give the best."""
     first = _best(hand, field, trial.first())
-    well = first.facing < WELL and first.links >= trial.links and first.depth < 0.5 * DEEP
-    if len(trial.palms) == 1 or (well and first.thumb.out < THUMB_EASY):
+    if len(trial.palms) == 1 or first.well(trial.links):
         return first
     return _best(hand, field, trial)
 

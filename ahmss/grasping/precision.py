@@ -18,7 +18,7 @@ SPAN = 0.11  # metres between the pads at the most
 STEP = 0.0005  # metres between places that are looked at along a line
 UPRIGHT = 0.8  # what it costs to close along the hand rather than across it
 SLANT, THIN = np.radians(30.0), 0.03  # how much aslant what is thinner than that may lie between the pads, metres
-PADS = 3  # links that touch where the pads are well on it
+PADS = 2  # links that touch where the pads are well on it
 PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -35,7 +35,15 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | N
     Returns:
         The grip, which may not hold; None where the shape is thicker than the hand spans, or is not there.
     """
-    tried = [_placed(hand, field, grip, site, depth) for depth in DEPTHS]
+    first = _closed(hand, field, grip, site, DEPTHS[:1])
+    if first is not None and first.well(PADS):
+        return first
+    return _closed(hand, field, grip, site, DEPTHS)
+
+
+def _closed(hand: Hand, field: Field, grip: Array, site: Array, depths: Array) -> Holding | None:
+    """The best grip of those so deep (n); None where the shape is too thick."""
+    tried = [_placed(hand, field, grip, site, depth) for depth in depths]
     found = [(pose, rise, i) for i, one in enumerate(tried) if one is not None for pose, rise in [one]]
     if not found:
         return None
@@ -43,23 +51,10 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | N
     turn = to_matrix(poses[:, 3:])
     grips = multiply(poses[:, 3:], np.broadcast_to(hand.grip[3:], (len(poses), 4)))
     palms = np.concatenate([poses[:, :3] + turn @ hand.grip[:3], grips], axis=1)
-
     rises = np.array([[rise] for _, rise, _ in found])
-    cost = 0.05 * np.array([i for _, _, i in found], float)
-    return best(
-        hand,
-        field,
-        Trial(
-            Hands(poses[:, :3], turn),
-            palms,
-            PRECISION[None],
-            rises,
-            np.full_like(rises, THUMB_SLACK),
-            cost,
-            np.zeros_like(rises),
-            PADS,
-        ),
-    )
+    bends, cost = np.full_like(rises, THUMB_SLACK), 0.05 * np.array([i for _, _, i in found], float)
+    hands = Hands(poses[:, :3], turn)
+    return best(hand, field, Trial(hands, palms, PRECISION[None], rises, bends, cost, np.zeros_like(rises), PADS))
 
 
 def _placed(hand: Hand, field: Field, grip: Array, site: Array, depth: float) -> tuple[Array, float] | None:

@@ -7,6 +7,8 @@ thumb goes to one side, the four fingers to the other, each link by slerp to the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, importance_of, run
@@ -26,17 +28,23 @@ WIDE_BY, CLOSES_FROM = 0.5, 0.55  # where the hand has to open first: open by th
 GAZE = 4
 
 
-def grasp(task: HumanTask) -> Array:
-    """All frames (N, 260): the hand closes, or opens and draws back; the arm follows, the rest is left alone."""
+def grasp(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): the hand closes, or opens and draws back; the arm follows, the rest is left alone.
+
+    The first, in which nothing moves yet, is given at once; the hand is planned after it.
+    """
     side = task.hand or "right"
     time = np.arange(1, task.length + 1) / task.length
-    links = list(fingers(side))
-    present = task.start.rotations[links]
+    present = task.start.rotations[list(fingers(side))]
     grip = task.start.grip(side)
     if task.parameter("open", False):
         end = Transform(grip.place + task.parameter("back", 0.06) * _back(task, grip), grip.rotation)
         shapes = slerp(present, opened(side, present[:2]), minimum_jerk(time / OPEN_BY)[:, None])
-        return _frames(task, side, shapes, (end, minimum_jerk((time - 0.25) / 0.75)))
+        yield _frames(task, side, shapes, (end, minimum_jerk((time - 0.25) / 0.75)))
+        return
+    if task.length > 1:
+        yield _frames(task, side, present[None], (grip, np.zeros(1)))
+        time = time[1:]
     end = _closing(task, side, grip)
     arriving = minimum_jerk(time / THERE_BY)
     if end.wide is None:
@@ -45,7 +53,7 @@ def grasp(task: HumanTask) -> Array:
         shapes = slerp(present, end.wide, minimum_jerk(time / WIDE_BY)[:, None])
         late = minimum_jerk((time - CLOSES_FROM) / (1.0 - CLOSES_FROM))[:, None]
         shapes = np.where(late[..., None] > 0.0, slerp(end.wide, end.shape, late), shapes)
-    return _frames(task, side, shapes, (end.palm, arriving))
+    yield _frames(task, side, shapes, (end.palm, arriving))
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:
@@ -112,11 +120,12 @@ def _seen_from_hand(skeleton: Skeleton, side: str, grip: Transform, axis: Transf
 
 
 def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Array]) -> Array:
-    """Poses, importances and targets from the fingers' rotations (N, 14, 4) and the palm's end with its way (N)."""
+    """Poses, importances and targets from the fingers' rotations (n, 14, 4) and the palm's end with its way (n)."""
     end, moved = palm
-    rotations = np.repeat(task.start.rotations[None], task.length, axis=0)
+    length = len(shapes)
+    rotations = np.repeat(task.start.rotations[None], length, axis=0)
     rotations[:, list(fingers(side))] = shapes
-    targets = np.zeros((task.length, 5, 8))
+    targets = np.zeros((length, 5, 8))
     row = targets[:, 0 if side == "right" else 1]
     grip = task.start.grip(side)
     row[:, :3] = grip.place + moved[:, None] * (end.place - grip.place)
@@ -127,7 +136,7 @@ def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Ar
     if task.site is not None and not task.parameter("open", False):
         targets[:, GAZE, :3] = task.site.place
         targets[:, GAZE, 7] = 1.0
-    root = np.repeat(task.start.root[None], task.length, axis=0)
+    root = np.repeat(task.start.root[None], length, axis=0)
     return task.block(rotations, root, importance, targets)
 
 
