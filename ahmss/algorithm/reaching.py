@@ -36,6 +36,7 @@ _SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a r
 _LEVEL = np.array([1.0, 1.0, 0.0])
 _EASE = 0.08  # metres by which the arm is not to be stretched
 _RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so slowly for so long has arrived
+_LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
 _HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _HEAD_SECONDS = 0.3  # in which the gaze comes to its place
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
@@ -56,7 +57,7 @@ def goal_of(task: HumanTask) -> Goal:
             radius = 0.5 * float(task.object.properties.get("diameter", 0.0))
             return Goal(task.site.place, None, task.site.row(), before + radius)
         if free:
-            return Goal(task.site.place, task.goal_rotation)
+            return Goal(task.site.place, task.goal_rotation, None, before)
         rotation = task.site.rotation if task.goal_rotation is None else task.goal_rotation
         return Goal(task.site.place, rotation, None, before)
     if task.object is not None:
@@ -104,17 +105,20 @@ def planned(
         AlgorithmError: it is out of reach; says by how much.
     """
     yield gaze.alone()
-    reacher = reaching.better_side(goal, sides_of(task), prisms)
+    sides = [side for side in sides_of(task) if not goal.palms or side in goal.palms]
+    reacher = reaching.better_side(goal, sides, prisms)
+    yield from gaze.if_there_is_time()
     found: list[Found] = []
     for better in reaching.postures(reacher, goal, prisms):
         found = [better]
-        if gaze.frames + 1 < task.length or not task.length:
-            yield gaze.alone()
+        yield from gaze.if_there_is_time()
     posture, palm, arm = found[0]
     refuse_far(task, reacher.side, arm)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])
-    return reaching.way(reacher, (posture, palm, arm), goal.place, prisms)
+    plan = reaching.way(reacher, (posture, palm, arm), goal.place, prisms)
+    yield from gaze.if_there_is_time()
+    return plan
 
 
 def refuse_far(task: HumanTask, side: str, arm: Stretch) -> None:
@@ -224,6 +228,11 @@ class Looking:
         importance[INDEX["head"]] = _HEAD
         rows = self.rows(np.array([self.frames]))
         return task.block(task.start.rotations[None], task.start.root[None], importance, rows)
+
+    def if_there_is_time(self) -> Iterator[Array]:
+        """The next frame as `alone`, unless the motion's frames are needed for the hand."""
+        if not self._task.length or self.frames + 1 < _LEADS * self._task.length:
+            yield self.alone()
 
     def rows(self, frames: Array) -> Array:
         """Targets (n, 5, 8) at frames (n): the gaze, and the feet of who is not carried."""

@@ -68,7 +68,9 @@ def posture_for(
     if arm.found and arm.stretched <= EASY:
         yield posture, best, arm
         return
-    grid = np.stack([a.ravel() for a in np.meshgrid(_TURNS, _LEANS, _DROPS, indexing="ij")], axis=-1)
+    low = reacher.hand(palms[best])[0][2] < sum(_LOW)
+    drops = _DROPS if low else _DROPS[:2]  # nobody sits down for what is high
+    grid = np.stack([a.ravel() for a in np.meshgrid(_TURNS, _LEANS, drops, indexing="ij")], axis=-1)
     chosen = grid[0]
     for step in (None, _STEP, 0.4 * _STEP):
         if step is not None:

@@ -29,7 +29,7 @@ from ahmss.reaching.pointing import palms_pointing
 BEFORE = 0.07  # metres before the lever at which the open hand is set, and to which it goes back
 COMES, CLOSES, TURNS, OPENS, LEAVES = 0.3, 0.25, 0.75, 0.2, 0.35  # seconds
 TURNS_ALONG = 0.5  # of the lever's turn that the hand makes
-SIDES = ("right", "left")
+TILTS, ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,14 @@ def turn(task: HumanTask) -> Iterator[Array]:
         yield gaze.alone()
     if not grips:
         raise AlgorithmError(f"thumb and fingers can't close on {_name(task)} there; give the site another rotation")
-    palms = {side: grips[side][0].row()[None] if side in grips else np.zeros((0, 7)) for side in SIDES}
+    palms = {side: _tilted(lever, grip) for side, (grip, _) in grips.items()}
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     into = rotate(lever.site.rotation, np.array([1.0, 0.0, 0.0]))
-    goal = Goal(lever.site.place, palms={side: rows for side, rows in palms.items() if len(rows)})
+    goal = Goal(lever.site.place, palms=palms)
     plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), -BEFORE * into)
     side = plan.reacher.side
-    palm, holding = grips[side]
+    palm = Transform(plan.palm[:3] + BEFORE * into, plan.palm[3:])
+    _, holding = grips[side]
     then, closed = _turned(task, lever, palm, into)
     first = gaze.frames
     length = max(task.length - len(then) - first, 1) if task.length else round(plan.seconds * task.rate)
@@ -113,6 +114,16 @@ def _grip(task: HumanTask, side: str, lever: Lever) -> Mapping[str, tuple[Transf
         return {}
     palm = task.site.inverse().then(thing.frame.then(Transform.of(holding.palm)))
     return {side: (lever.site.then(palm), holding)}
+
+
+def _tilted(lever: Lever, palm: Transform) -> Array:
+    """Palms (n, 7) that hold the lever between the same pads, the hand turned about it: which is easiest is chosen."""
+    across = rotate(lever.site.rotation, np.array([0.0, 0.0, 1.0]))
+    into = rotate(lever.site.rotation, np.array([1.0, 0.0, 0.0]))
+    tilt, roll = (a.ravel() for a in np.meshgrid(TILTS, ROLLS, indexing="ij"))
+    turned = multiply(from_axis_angle(across, tilt), from_axis_angle(into, roll))
+    places = lever.site.place + rotate(turned, palm.place - lever.site.place)
+    return np.concatenate([places, multiply(turned, palm.rotation)], axis=-1)
 
 
 def _turned(task: HumanTask, lever: Lever, palm: Transform, into: Array) -> tuple[Array, Array]:
