@@ -26,6 +26,7 @@ _GRAVITY = 9.81
 _STEP = 0.02  # metres: what is at most so much above its bottom lifts a thing that was let go a little too low
 _LEVEL = 0.003  # metres by which places that hold it up together may differ
 _STEEP = 0.2  # least upward share of a face's normal that holds something up
+_UPRIGHT = 1.0 - 1e-9  # cosine of the lean up to which a shape counts as standing upright
 _NOTHING = 5e-4  # metres
 _NO_TURN = 0.01  # radians
 _SETTLE_S = 0.12
@@ -98,10 +99,15 @@ class _Under:
         for other, pose in others:
             if np.linalg.norm(pose[:2] - middle) > other.radius + reach or pose[2] - other.radius > top:
                 continue
-            triangles = pose[:3] + rotate(pose[3:], other.triangles)
-            low, high = triangles.min(axis=1), triangles.max(axis=1)
-            near = (low[:, :2] <= middle + reach).all(1) & (high[:, :2] >= middle - reach).all(1) & (low[:, 2] <= top)
-            found.append(triangles[near])
+            # In the other's frame: what is within reach of the fall's line there is what is within reach of it here.
+            line = rotate(conjugate(pose[3:]), np.array([[*(middle - pose[:2]), 0.0], [0.0, 0.0, 1.0]]))
+            upright = abs(line[1, 2]) > _UPRIGHT
+            far = np.zeros(len(other.boxes), bool)
+            if upright:
+                far = (
+                    (other.boxes[:, 0, :2] > line[0, :2] + reach) | (other.boxes[:, 1, :2] < line[0, :2] - reach)
+                ).any(1)
+            found.append(pose[:3] + rotate(pose[3:], other.triangles[~far]))
         faces = np.concatenate(found)
         normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
         flat = np.abs(normal[:, 2]) > _STEEP * np.linalg.norm(normal, axis=1)

@@ -26,11 +26,13 @@ _RINGS = (1.0, 0.75, 0.5, 0.25)
 class Solid:
     """A shape in its object's frame, metres.
 
-    triangles (n, 3, 3); low, high (3,): its box; radius: farthest from the origin; corners (m, 3): its outermost
-    points, enough to see how low it reaches when it leans; base (b, 2): points of what it stands on, its middle first.
+    triangles (n, 3, 3), boxes (n, 2, 3) around each; low, high (3,): around all; radius: farthest from the origin;
+    corners (m, 3): its outermost points, enough to see how low it reaches when it leans; base (b, 2): points of what
+    it stands on, its middle first.
     """
 
     triangles: Array
+    boxes: Array
     low: Array
     high: Array
     radius: float
@@ -40,7 +42,8 @@ class Solid:
     @classmethod
     def of(cls, triangles: Array) -> Solid:
         """The solid of these triangles."""
-        points = np.unique(np.round(triangles.reshape(-1, 3), 5), axis=0)
+        points = triangles.reshape(-1, 3)
+        boxes = np.stack([triangles.min(axis=1), triangles.max(axis=1)], axis=1)
         low, high = points.min(axis=0), points.max(axis=0)
         box = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
         corners = points if len(points) <= _MOST_CORNERS else box
@@ -50,7 +53,7 @@ class Solid:
         foot = foot[np.unique(border)]
         rings = [middle + ring * (foot - middle) for ring in _RINGS]
         return cls(
-            triangles, low, high, float(np.linalg.norm(points, axis=1).max()), corners,
+            triangles, boxes, low, high, float(np.linalg.norm(points, axis=1).max()), corners,
             np.concatenate([middle[None], *rings]),
         )  # fmt: skip
 
