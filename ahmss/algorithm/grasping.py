@@ -21,7 +21,7 @@ from ahmss.grasping.holding import DEEP, Holding, opener
 from ahmss.grasping.power import power
 from ahmss.grasping.precision import SPAN, precision
 
-__all__ = ["Closing", "closing", "from_skin"]
+__all__ = ["Closing", "closing", "from_skin", "read_shape"]
 
 _LOOKS = np.linspace(0.15, 0.9, 6)  # shares of the way at which the closing fingers are looked at
 _SOONER = 1.5  # the palm is there before the fingers have closed, by this much
@@ -38,6 +38,17 @@ class Closing:
     palm: Transform
     shape: Array
     wide: Array | None
+
+
+def read_shape(task: HumanTask | ObjectTask) -> None:
+    """Have the distances from the object's shape at hand, where it has one: before the first frame there is time.
+
+    Raises:
+        AlgorithmError: nothing of it is at the action's site. DataError: it can't be read.
+    """
+    if task.object is not None and task.object.shape is not None:
+        named = task.object.sites.get(task.message.site)
+        _field(task, np.zeros(3) if named is None else np.array(named.position))
 
 
 def closing(task: HumanTask, side: str, most: float) -> Closing:

@@ -40,11 +40,12 @@ class TargetShape:
         """(T, 3, 3) of the file.
 
         Raises:
-            DataError: it is not in the folder where shapes are kept, is gone, or has other bytes than START says.
+            DataError: it is not where shapes are kept (by main, whose cache may be another than ours), is gone, or has other
+                bytes than START says.
         """
-        path, home = Path(self.path), store.place("meshes", "x").parent
-        if not path.resolve().is_relative_to(home.resolve()):
-            raise DataError(self.path, "", f"is no shape that is kept; those are in {home}")
+        path = Path(self.path)
+        if path.resolve().parts[-3:] != ("ahmss", "meshes", f"{self.digest}.glb"):
+            raise DataError(self.path, "", "is no shape that is kept; those are ahmss/meshes/SHA-256.glb in the cache")
         data = store.take(path)
         if data is None:
             raise DataError(self.path, "", "is gone; begin the action again, and it is made anew")
@@ -81,7 +82,7 @@ class TargetShape:
         return found
 
     def _field(self, cell: tuple[int, int, int]) -> Field:
-        kept = store.place("fields", f"{self.digest}_{'_'.join(map(str, cell))}_{_VERSION}")
+        kept = Path(self.path).parent.with_name("fields") / f"{self.digest}_{'_'.join(map(str, cell))}_{_VERSION}"
         data = store.take(kept)
         if data is not None:
             with contextlib.suppress(DataError):  # what was kept is broken: it is made anew

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanFrame, ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.grasping import from_skin
+from ahmss.algorithm.grasping import from_skin, read_shape
 from ahmss.body.quaternion import normalize, rotate
 
 
@@ -20,6 +20,7 @@ def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:
     """The object's pose at each frame of the human."""
     side = task.hand or "right"
     in_palm: Transform | None = None
+    read_shape(task)
     for human in task.frames():
         grip = human.grip(side)
         if in_palm is None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, importance_of, run
-from ahmss.algorithm.grasping import Closing, closing
+from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import between, multiply, rotate, slerp
@@ -31,7 +31,7 @@ GAZE = 4
 def grasp(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): the hand closes, or opens and draws back; the arm follows, the rest is left alone.
 
-    The first, in which nothing moves yet, is given at once; the hand is planned after it.
+    The first, in which nothing moves yet, is given as soon as the shape is read; the hand is planned after it.
     """
     side = task.hand or "right"
     time = np.arange(1, task.length + 1) / task.length
@@ -42,6 +42,7 @@ def grasp(task: HumanTask) -> Iterator[Array]:
         shapes = slerp(present, opened(side, present[:2]), minimum_jerk(time / OPEN_BY)[:, None])
         yield _frames(task, side, shapes, (end, minimum_jerk((time - 0.25) / 0.75)))
         return
+    read_shape(task)
     if task.length > 1:
         yield _frames(task, side, present[None], (grip, np.zeros(1)))
         time = time[1:]

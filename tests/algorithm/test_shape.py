@@ -65,7 +65,9 @@ def test_other_bytes_than_those_named_are_refused(kept: TargetShape) -> None:
     Path(kept.path).write_bytes(b"glTF")
     with pytest.raises(DataError, match="is not the shape that was named"):
         _ = kept.vertices
-    named = TargetShape(kept.path, hashlib.sha256(b"glTF").hexdigest())
+    other = hashlib.sha256(b"glTF").hexdigest()
+    named = TargetShape(str(Path(kept.path).with_name(f"{other}.glb")), other)
+    Path(named.path).write_bytes(b"glTF")
     with pytest.raises(DataError, match="has no triangles that can be read"):
         _ = named.vertices
     Path(kept.path).unlink()
