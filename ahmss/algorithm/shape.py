@@ -40,7 +40,7 @@ class TargetShape:
         """(T, 3, 3) of the file.
 
         Raises:
-            DataError: it is not where shapes are kept (by main, whose cache may be another than ours), is gone, or has other
+            DataError: it is not where main keeps shapes (its cache may be another than ours), is gone, or has other
                 bytes than START says.
         """
         path = Path(self.path)
