@@ -6,11 +6,12 @@ What is nearer to the floor than two millimetres and moves seems to slide over i
 from __future__ import annotations
 
 import numpy as np
+from shapely import LineString
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 
-__all__ = ["CLEAR", "FLAT", "clearance", "rolled", "sole_angles", "turned"]
+__all__ = ["CLEAR", "FLAT", "clearance", "middle", "rolled", "sole_angles", "turned"]
 
 CLEAR = 0.0022  # metres that a foot is over the floor, at least, in its first and last frame in the air
 FLAT = 1e-6  # radians of pitch over which a foot stands on its heel
@@ -22,6 +23,12 @@ def sole_angles(feet: Array) -> tuple[Array, Array]:
     """Heading without jumps and pitch (toes up), both (F, ...), of feet (F, ..., 4)."""
     ahead = rotate(feet, _FORWARD)
     return np.unwrap(np.arctan2(ahead[..., 1], ahead[..., 0]), axis=0), np.arcsin(np.clip(ahead[..., 2], -1.0, 1.0))
+
+
+def middle(soles: Array, place: Array, heading: float) -> LineString:
+    """The line on the floor from heel to toe of a flat foot, its ankle over a place (2,)."""
+    ahead = np.array([np.cos(heading), np.sin(heading)])
+    return LineString([place + soles[0, 0] * ahead, place + soles[2, 0] * ahead])
 
 
 def turned(yaw: Array, pitch: Array) -> Array:

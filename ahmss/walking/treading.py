@@ -18,7 +18,7 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.walking.legs import foot_frames
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
-from ahmss.walking.soles import FLAT, clearance, rolled, sole_angles, turned
+from ahmss.walking.soles import FLAT, clearance, middle, rolled, sole_angles, turned
 
 __all__ = ["Ends", "Footprints", "Seen", "Tread"]
 
@@ -27,6 +27,8 @@ _PIVOTING = np.radians(12.0)  # a foot that turns by more while it bears pivots;
 _LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
 _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is lifted instead
 _LEVEL = np.radians(0.5)
+_BESIDE = 0.08  # metres between the middle lines of two feet
+_LATER, _MOST_LATER = 0.55, np.radians(45.0)  # of the turn of a start, what its second footstep makes
 
 
 @dataclass(frozen=True)
@@ -93,12 +95,13 @@ class Tread:
         self._soles = skeleton.soles * (1.0, 1.0 if foot == 0 else -1.0, 1.0)
         self._seen, self._line, self._ends, self._foot, self._turn = seen, line, ends, foot, turn
         self._along = nominal.root[:, 0]
+        self._started = nominal.seams[1] if line.first > 0.0 and len(nominal.seams) > 2 else 0
         frames = len(nominal.root)
         bears: NDArray[np.bool_] = nominal.bearing[:, foot].any(axis=-1)  # pyright: ignore[reportAssignmentType]
         spans = runs(bears)
         first, end = (np.array([span[i] for span in spans], np.intp) for i in (0, 1))
         n = len(spans)
-        self._stances = _Stances(first, end, np.zeros((n, 2)), np.zeros(n), np.zeros((n, 2)), np.zeros(n))
+        self._stances = _Stances(first, end, np.zeros((n, 2)), np.zeros(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
         self._yaw = np.empty(frames)  # as in the clips, but constant while the foot bears and does not pivot
         self._fixed = 0  # frames whose yaw is there
         self.known = self.count = 0
@@ -161,7 +164,8 @@ class Tread:
         across = np.stack([-np.sin(heading), np.cos(heading)], axis=-1)
         off = stances.place[new] - np.stack([passing, np.zeros(len(passing))], axis=-1)
         stances.to[new] = place + off[:, :1] * ahead + off[:, 1:] * across
-        stances.to_heading[new] = stances.heading[new] + heading + self._turn[stances.first[new]]
+        self._turn_in(new)
+        stances.to_heading[new] = stances.heading[new] + stances.more[new] + heading + self._turn[stances.first[new]]
         ends = self._ends
         for i, where, wanted in (
             (0, ends.first, ends.first_heading),
@@ -171,6 +175,31 @@ class Tread:
                 stances.to[i] = where[foot]
                 off = wanted[foot] - stances.to_heading[i]
                 stances.to_heading[i] += (off + np.pi) % (2.0 * np.pi) - np.pi
+        if self._starts(new):
+            stances.to[1] = self._clear(stances.to[1], float(stances.to_heading[1]), ahead[1 - new.start])
+
+    def _turn_in(self, new: slice) -> None:
+        """The first footstep of a start shares its turn with the next.
+
+        In the clip it makes all of it, for it is the straight step's foot that bears where the two meet.
+        """
+        stances = self._stances
+        if self._starts(new):
+            later = _LATER * (stances.heading[1] - stances.heading[0])
+            stances.more[1] = -np.clip(later, -_MOST_LATER, _MOST_LATER)
+
+    def _starts(self, new: slice) -> bool:
+        """Whether the first footstep of a start is among the new ones."""
+        first, end = self._stances.first, self._stances.end
+        return new.start <= 1 < new.stop and bool(first[1] < self._started <= end[1])
+
+    def _clear(self, place: Array, heading: float, ahead: Array) -> Array:
+        """A footstep (2,) moved ahead until it is clear of the other foot, which stands as it did before."""
+        other = 1 - self._foot
+        stood = middle(self._soles, self._ends.first[other], float(self._ends.first_heading[other]))
+        while stood.distance(middle(self._soles, place, heading)) < _BESIDE:
+            place = place + 0.01 * ahead
+        return place
 
     def _sizes(self) -> Array:
         """How much each swing is of that in the clip, between footprints known (known + 1,), 1 outside of them."""
@@ -198,6 +227,7 @@ class Tread:
         own = np.where(bears, np.where(pitch > 0.0, sizes[before], sizes[before + 1]), sizes[before + 1])
         tilted = np.arcsin(own * np.sin(pitch))
         turn = stances.to_heading - stances.heading
+        carried = turn - stances.more
         fixed = yaw - loose
         yaw = np.where(bears, yaw, loose + (1.0 - share) * fixed[lift] + share * fixed[land])
         heading = yaw + (1.0 - share) * turn[before] + share * turn[after]
@@ -212,7 +242,7 @@ class Tread:
         swings = ~bears
         for at, weight in ((lift, 1.0 - share), (land, share)):
             nominal[swings, :2] += (weight[:, None] * (exact[at] - ankle[at])[:, :2])[swings]
-        low, high = _moved(nominal, stances, turn, before), _moved(nominal, stances, turn, after)
+        low, high = _moved(nominal, stances, carried, before), _moved(nominal, stances, carried, after)
         out = np.empty_like(ankle)
         out[:, :2] = (1.0 - share)[:, None] * low + share[:, None] * high
         out[:, 2] = level
@@ -230,7 +260,10 @@ class Tread:
 
 @dataclass
 class _Stances:
-    """A foot's times on the ground: first frames, those after the last; where the flat foot is, nominal and wanted."""
+    """A foot's times on the ground: first frames, those after the last; where the flat foot is, nominal and wanted.
+
+    more: of the heading wanted, by how much the foot is turned otherwise than on its way there, radians.
+    """
 
     first: NDArray[np.intp]
     end: NDArray[np.intp]
@@ -238,6 +271,7 @@ class _Stances:
     heading: Array
     to: Array
     to_heading: Array
+    more: Array
 
 
 def _stand(stances: _Stances, new: slice, ankle: Array, yaw: Array, pitch: Array, soles: Array) -> None:

@@ -203,6 +203,21 @@ def test_hips_that_turn_round_at_once_are_hardly_beyond_their_limits(direction: 
     assert m.beyond(walk, m.KNEES).max() < 1.0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("turn", "least", "most"), [(90.0, 30.0, 60.0), (170.0, 115.0, 145.0)])
+def test_the_first_footstep_of_a_start_shares_its_turn_with_the_second(
+    turn: float, least: float, most: float, side: float
+) -> None:
+    """Of feet that turn by 90 degrees the first goes by 15 to 46 and the second by 79 to 96."""
+    _, made = walked(Goal("ken", 0.0, 4.0, side * turn, 0.0))
+    first, second = (0, 1) if side < 0.0 else (1, 0)
+    leading, following = (
+        np.degrees(made.shaped.footprints[foot].headings[1]) * side % 360.0 for foot in (first, second)
+    )
+    assert least < leading < most
+    assert following == pytest.approx(turn, abs=10.0)
+
+
 def test_turned_as_a_whole_it_is_the_same_walk() -> None:
     one, _ = m.walked(Goal("aiko", 0.0, 2.3, 70.0, -30.0))
     other, _ = m.walked(Goal("aiko", 135.0, 2.3, 70.0, -30.0))
