@@ -15,6 +15,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import WorldError
 from ahmss.main import delivery
 from ahmss.main.process import MainProcess
+from ahmss.states.behaviour import decode_behaviour
 from ahmss.world.client import WorldClient
 from ahmss.world.process import ServerProcess
 from ahmss.world.schema import NewObject, ObjectPose
@@ -49,7 +50,7 @@ def deliver(client: WorldClient, workspace: Path) -> None:
     delivery.deliver(client, place.objects.place("shelf", "shelf"), place)
 
 
-def test_a_shape_is_sent_once_however_many_show_it(
+def test_a_shape_and_a_behaviour_are_sent_once_however_many_have_them(
     server: Start, workspace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_shelf(workspace, list(range(50)))
@@ -59,8 +60,10 @@ def test_a_shape_is_sent_once_however_many_show_it(
         monkeypatch.setattr(client, "put_asset", lambda data: (sent.append(data), put(data))[1])
         deliver(client, workspace)
         assert len(client.refresh().objects) == 51
-        assert len({record.shape for record in client.world.objects.values() if record.kind == "box"}) == 1
-    assert len([data for data in sent if data]) == 1
+        boxes = [record for record in client.world.objects.values() if record.kind == "box"]
+        assert len({(record.shape, record.behaviour) for record in boxes}) == 1
+        assert decode_behaviour(client.get_asset(boxes[0].behaviour)).states["lid"].values == ("shut", "open")
+    assert len([data for data in sent if data]) == 2
 
 
 def test_what_is_too_much_for_a_message_goes_in_parts_all_or_none(
