@@ -116,7 +116,8 @@ def planned(
     refuse_far(task, reacher.side, arm)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])
-    plan = reaching.way(reacher, (posture, palm, arm), goal.place, prisms)
+    looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
+    plan = reaching.way(reacher, (posture, palm, arm), goal.place, prisms, looked)
     yield from gaze.if_there_is_time()
     return plan
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
-from ahmss.body.arm_path import follow
+from ahmss.body.arm import hand_angles, with_hand
+from ahmss.body.arm_path import Way, follow
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.kinematics import forward
@@ -16,9 +19,9 @@ from ahmss.body.links import fingers as fingers_of
 from ahmss.body.quaternion import rotate, slerp
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.leaning import looking
-from ahmss.reaching.plan import Plan
+from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
-from ahmss.reaching.reacher import seat
+from ahmss.reaching.reacher import Reacher, seat
 
 __all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
 
@@ -36,6 +39,9 @@ Fingers = tuple[list[int], Array]
 
 _TRIES, _HIGHER = 3, 0.07  # metres
 _AIR = 0.002  # metres between the skin and things on the way
+_NEARLY, _FULLY = 0.94, 0.985  # of the arm's length, on the way: from where on it is spared, and what it never is
+_ENDS = 0.15  # of the time, at either end, in which it may be stretched as it is there
+_SOFT, _RAMP = 3.0, 8  # frames: over which a hand that meets a limit is slowed down, and at either end not
 _OTHER = 0.3  # the other arm's importance
 _NOTHING_THEN: Array = np.zeros((0, 7))
 _NO_FINGERS: Fingers = ([], np.zeros((0, 4)))
@@ -88,12 +94,15 @@ def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finge
     if plan.standing is not None and plan.helped:
         rotations = plan.standing.on_feet(rotations, trunk.root)
     seen = looking(skeleton, rotations, trunk.root, gaze, looked)
-    wrist = reacher.wrist(palms, seat(skeleton, seen, trunk.root))
+    spine = seat(skeleton, seen, trunk.root)
+    palms = _within_reach(reacher, palms, spine, time)
+    wrist = reacher.wrist(palms, spine)
     present = reacher.arm.from_pose(plan.start.rotations[reacher.links])
     way = follow(reacher.arm, wrist, present)
-    rotations[:, reacher.links] = seen[:, reacher.links] = reacher.arm.into_pose(way.links)
+    links, own = _slowed(way, n - len(then))
+    rotations[:, reacher.links] = seen[:, reacher.links] = reacher.arm.into_pose(links)
     # On the way a hand is turned as its joints allow, not as the shortest turn would have it.
-    palms = np.where((way.turned > 0.0)[:, None], grips(skeleton, seen, trunk.root)[:, reacher.row], palms)
+    palms = np.where(own[:, None], grips(skeleton, seen, trunk.root)[:, reacher.row], palms)
     if plan.helped:
         rotations[:, reacher.other] = _other_arm(plan, seen, trunk.root)
     targets = np.zeros((n, 5, 8))
@@ -116,13 +125,40 @@ def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finge
     return Performed(rotations, trunk.root, np.repeat(importance[None], n, axis=0), targets, bool(way.jumps.any()))
 
 
+def _slowed(way: Way, n: int) -> tuple[Array, Any]:
+    """The arm's links (F, 3, 4), a hand that meets a limit in the first n frames slowed down before, and where the hand
+    is not turned as asked (F,).
+    """
+    own: Any = way.turned > 0.0
+    if not own[:n].any():
+        return way.links, own
+    angles = hand_angles(way.links)
+    frames = np.arange(len(angles))
+    share = np.clip(np.minimum(frames, n - 1 - frames) / _RAMP, 0.0, 1.0)[:, None]
+    smooth = gaussian_filter1d(angles, _SOFT, axis=0, mode="nearest")
+    return with_hand(way.links, angles + share * (smooth - angles)), own | (share[:, 0] > 0.0)
+
+
+def _within_reach(reacher: Reacher, palms: Array, spine: tuple[Array, Array], time: Array) -> Array:
+    """Palms (n, 7) that wait, on the way, for a trunk which is not there yet: an arm stretched out is stiff."""
+    shoulder = reacher.shoulder(spine)
+    off = reacher.hand(palms)[0] - shoulder
+    distance = np.linalg.norm(off, axis=-1)
+    stretched, span = distance / reacher.length, _FULLY - _NEARLY
+    kept = _NEARLY + span * (1.0 - np.exp(-np.maximum(stretched - _NEARLY, 0.0) / span))
+    back = np.maximum(stretched - kept, 0.0) * np.where(stretched > _NEARLY, 1.0, 0.0)
+    on_the_way = minimum_jerk(time / _ENDS) * minimum_jerk((HAND_BY - time) / _ENDS)
+    out = palms.copy()
+    out[:, :3] -= (back * on_the_way * reacher.length / np.maximum(distance, 1e-9))[:, None] * off
+    return out
+
+
 def _other_arm(plan: Plan, rotations: Array, root: Array) -> Array:
     """The other arm's rows (n, 3, 4): its hand stays where it was beside the hips, upright if it was, as they move."""
     reacher, n = plan.reacher, len(root)
-    before = grips(reacher.skeleton, plan.start.rotations, plan.start.root)[1 - reacher.row]
     targets = np.zeros((n, 5, 8))
     row = targets[:, 1 - reacher.row]
-    row[:, :7], row[:, 7] = before, 1.0
+    row[:, :7], row[:, 7] = plan.hands[1 - reacher.row], 1.0
     row[:, :3] += root - plan.start.root
     return solve(reacher.skeleton, rotations, root, targets)[:, reacher.other]
 

@@ -23,12 +23,13 @@ from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.waist import bent_towards
 
-__all__ = ["Found", "Plan", "Reaching"]
+__all__ = ["HAND_BY", "Found", "Plan", "Reaching"]
 
 _SPINE = INDEX["spine"]
 _SAMPLES = 20  # of the trunk along the way
+_STRAIGHT = 0.998  # of the arm's length, which is as far as it is stretched
 _STRETCH = 25.0  # what an arm's length beyond what is easy costs
-_HAND_BY = 0.95
+HAND_BY = 0.95
 """The share of the time by which the hand is there where the trunk helps: that begins with it and ends last."""
 
 
@@ -41,14 +42,15 @@ class Plan:
     """What `Reaching.plan` found.
 
     reacher: the arm. standing: None where the hips stay. start, end: postures (43, 4), (3,), the arm as at the start.
-    palm (7,): where it comes to. curve: its way. arm: how the arm then is. leant: radians that hips or spine turn.
-    near: what is to be kept clear of.
+    hands (2, 7): the palms at the start, as they are shown. palm (7,): where the one comes to. curve: its way.
+    arm: how it then is. leant: radians that hips or spine turn. near: what is to be kept clear of.
     """
 
     reacher: Reacher
     standing: Standing | None
     start: Posture
     end: Posture
+    hands: Array
     palm: Array
     curve: Curve
     arm: Stretch
@@ -82,7 +84,7 @@ class Plan:
 
     def palms(self, time: Array) -> Array:
         """The palm (n, 7) at shares of the time (n)."""
-        return self.curve.at(time / _HAND_BY if self.helped else time)
+        return self.curve.at(time / HAND_BY if self.helped else time)
 
 
 class Reaching:
@@ -137,18 +139,34 @@ class Reaching:
         best, arm = stretch_of(reacher, palms, bent, present, prisms)
         yield bent, palms[best], arm
 
-    def way(self, reacher: Reacher, found: Found, gaze: Array, prisms: Sequence[Prism]) -> Plan:
-        """The plan for a posture, palm and arm that `postures` found; `gaze` (3,): what is looked at meanwhile."""
+    def way(self, reacher: Reacher, found: Found, gaze: Array, prisms: Sequence[Prism], looked: float = 0.0) -> Plan:
+        """The plan for a posture, palm and arm that `postures` found.
+
+        Args:
+            reacher: the arm. found: what for. prisms: the things near by.
+            gaze: (3,) what is looked at meanwhile. looked: how much of the way to it the gaze has turned before.
+        """
         end, palm, arm = found
-        start = grips(self.skeleton, self.start.rotations, self.start.root)[reacher.row]
+        begun = looking(self.skeleton, self.start.rotations, self.start.root, gaze, looked)
+        palm = self._in_reach(reacher, end, palm, gaze)
+        hands = grips(self.skeleton, begun, self.start.root)
+        start = hands[reacher.row]
         leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
         family = curves(start, palm, self.heading)
         near = in_the_way(prisms, self.start.root, start[:3], palm[:3])
-        plan = Plan(reacher, self.standing, self.start, end, palm, family[0], arm, leant, near)
+        plan = Plan(reacher, self.standing, self.start, end, hands, palm, family[0], arm, leant, near)
         trunk = plan.trunk(np.linspace(0.0, 1.0, _SAMPLES))
         seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
         seats = seat(self.skeleton, seen, trunk.root)
         return replace(plan, curve=clear_curve(reacher, family, seats, self.present(reacher), near))
+
+    def _in_reach(self, reacher: Reacher, end: Posture, palm: Array, gaze: Array) -> Array:
+        """The palm (7,), or as near to it as the arm comes without being stretched out altogether."""
+        seen = looking(self.skeleton, end.rotations, end.root, gaze)
+        off = reacher.hand(palm)[0] - reacher.shoulder(seat(self.skeleton, seen, end.root))
+        distance = float(np.linalg.norm(off))
+        short = max(distance - _STRAIGHT * reacher.length, 0.0)
+        return np.concatenate([palm[:3] - short / max(distance, 1e-9) * off, palm[3:]])
 
 
 def _angle(a: Array, b: Array) -> float:
