@@ -27,8 +27,8 @@ _PIVOTING = np.radians(12.0)  # a foot that turns by more while it bears pivots;
 _LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
 _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is lifted instead
 _LEVEL = np.radians(0.5)
-_BESIDE = 0.08  # metres between the middle lines of two feet
-_LATER, _MOST_LATER = 0.55, np.radians(45.0)  # of the turn of a start, what its second footstep makes
+_BESIDE = 0.06  # metres between the middle lines of two feet
+_LATER, _MOST_LATER = 0.55, np.radians(50.0)  # of the turn of a start, what its second footstep makes
 
 
 @dataclass(frozen=True)
