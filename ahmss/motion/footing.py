@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,18 @@ from numpy.typing import NDArray
 from ahmss.body.array import Array
 from ahmss.motion.contact import LOW, SHORTEST, SLOW, bearing, runs, speeds
 
-__all__ = ["Support", "declared", "drifts", "found", "support"]
+__all__ = ["Stance", "Support", "declared", "drifts", "found", "stances", "support"]
 
 _TOUCHING = 0.01  # metres over the floor, or over the foot's lowest point, within which a point of a bearing foot bears
+
+
+class Stance(NamedTuple):
+    """A time in which a foot (0 right, 1 left) stands: its first frame, the one after its last, what it slides (m)."""
+
+    foot: int
+    first: int
+    end: int
+    slide: float
 
 
 @dataclass(frozen=True)
@@ -32,24 +42,30 @@ class Support:
 def support(points: Array, rate: float) -> Support:
     """How still the feet stand.
 
-    A stance is a time of 0.1 s or longer in which a foot has a point lower than 5 cm and its slowest point is slower
-    than 0.5 m/s; its slide is the way of the slowest point.
-
     Args:
         points: (frames, 2, 3, 3) ankle, ball and toe tip of the right and the left foot, metres; heights are those over
             where the point is when the foot stands flat.
         rate: frames a second.
     """
+    either = speeds(points, rate).min(axis=(-2, -1))
+    slides = tuple(stance.slide for stance in stances(points, rate))
+    return Support(float(either.mean()), float(np.percentile(either, 95.0)), slides)
+
+
+def stances(points: Array, rate: float) -> list[Stance]:
+    """The stances of both feet, whose points (frames, 2, 3, 3) are those of `support`.
+
+    A stance is a time of 0.1 s or longer in which a foot has a point lower than 5 cm and its slowest point is slower
+    than 0.5 m/s; its slide is the way of the slowest point.
+    """
     slowest = speeds(points, rate).min(axis=-1)
     stands = (points[..., 2] < LOW).any(axis=-1) & (slowest < SLOW)
-    slides = tuple(
-        float(slowest[first:last, foot].sum() / rate)
+    return [
+        Stance(foot, first, end, float(slowest[first:end, foot].sum() / rate))
         for foot in range(2)
-        for first, last in runs(stands[:, foot])
-        if last - first >= max(round(SHORTEST * rate), 1)
-    )
-    either = slowest.min(axis=-1)
-    return Support(float(either.mean()), float(np.percentile(either, 95.0)), slides)
+        for first, end in runs(stands[:, foot])
+        if end - first >= max(round(SHORTEST * rate), 1)
+    ]
 
 
 def found(points: Array, rate: float) -> NDArray[np.bool_]:

@@ -14,13 +14,13 @@ from scipy.spatial.transform import Rotation, RotationSpline
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 
-__all__ = ["SHORTEST", "JointMotion", "Pop", "angular_steps", "joint_motion", "pops", "worst_pop"]
+__all__ = ["SHORTEST", "TRIM", "JointMotion", "Pop", "angular_steps", "joint_motion", "pops", "smoothed", "worst_pop"]
 
 SHORTEST = 0.5  # seconds of motion under which joints are not judged
+TRIM = 6  # frames left out at both ends, where the filter has no past or no future
 
 _RATE = 60.0  # joint figures are those of motion resampled to this
 _CUTOFF = 10.0  # hertz, of the zero-phase filter of angular velocity
-_TRIM = 6  # frames left out at both ends, where the filter has no past or no future
 _XYZW = [1, 2, 3, 0]
 _STILL = 1e-6  # radians: a joint that never turns by more from one frame to the next has no motion to resample
 
@@ -57,17 +57,32 @@ def joint_motion(rotations: Array, rate: float, counted: int | None = None) -> J
     """
     if (len(rotations) - 1) / rate < SHORTEST:
         return JointMotion(0.0, 0.0, 0.0, 0)
+    acceleration, jerk = smoothed(rotations, rate)
+    size = acceleration[TRIM:-TRIM]
+    return JointMotion(
+        acceleration_max=float(size.max()),
+        acceleration_p99=float(np.percentile(size[:, :counted], 99.0)),
+        jerk_max=float(jerk[TRIM:-TRIM].max()),
+        joint=int(np.unravel_index(size.argmax(), size.shape)[1]),
+    )
+
+
+def smoothed(rotations: Array, rate: float) -> tuple[Array, Array]:
+    """The sizes of acceleration (rad/s2) and jerk (rad/s3) of joints, smoothed as `joint_motion` has it.
+
+    Args:
+        rotations: (frames, joints, 4) unit quaternions, parent <- child; at least 12 frames.
+        rate: frames a second.
+
+    Returns:
+        Two arrays (steps, joints) at 60 Hz, a row for each step from a frame to the next; the outer `TRIM` rows of them
+        are not to be judged.
+    """
     velocity = angular_steps(_at_60(rotations, rate)) * _RATE
     smooth = sosfiltfilt(butter(2, _CUTOFF, fs=_RATE, output="sos"), velocity, axis=0)
     acceleration = np.gradient(smooth, 1.0 / _RATE, axis=0)
     jerk = np.gradient(acceleration, 1.0 / _RATE, axis=0)
-    size = np.linalg.norm(acceleration, axis=-1)[_TRIM:-_TRIM]
-    return JointMotion(
-        acceleration_max=float(size.max()),
-        acceleration_p99=float(np.percentile(size[:, :counted], 99.0)),
-        jerk_max=float(np.linalg.norm(jerk, axis=-1)[_TRIM:-_TRIM].max()),
-        joint=int(np.unravel_index(size.argmax(), size.shape)[1]),
-    )
+    return np.linalg.norm(acceleration, axis=-1), np.linalg.norm(jerk, axis=-1)
 
 
 def _at_60(rotations: Array, rate: float) -> Array:
