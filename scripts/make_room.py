@@ -28,7 +28,7 @@ def main(workspace: Path) -> None:
         print(f"{name:12} {sum(piece.triangles() for piece in pieces):6} triangles")
     write_grid(objectdb / "floor" / "floor.dxf", "floor", (186, 160, 128), (-300.0, -300.0), (300.0, 300.0), 72)
     wall_1 = [[0, -210, 0], [0, 210, 0], [0, 210, 250], [0, -210, 250]]  # seen from -x
-    wall_2 = [[-145, 0, 0], [145, 0, 0], [145, 0, 250], [-145, 0, 250]]  # seen from +y
+    wall_2 = [[-168, 0, 0], [168, 0, 0], [168, 0, 250], [-168, 0, 250]]  # seen from +y
     for name, corners in (("wall_1", wall_1), ("wall_2", wall_2)):
         piece = Piece("wall", _array(corners), [[3, 2, 1, 0]])
         write_dxf(objectdb / name / f"{name}.dxf", [piece], {"wall": (232, 226, 212)})

@@ -15,7 +15,7 @@ else:
 
 from ahmss_viewer.camera import View, project
 from ahmss_viewer.choosing import without_hidden
-from ahmss_viewer.framing import Interest, inner_points
+from ahmss_viewer.framing import Interest
 from ahmss_viewer.options import ViewOptions
 from ahmss_viewer.replaying import _Run
 from ahmss_viewer.source import Replay
@@ -23,7 +23,7 @@ from ahmss_viewer.studio import Studio
 
 from ahmss.body.links import INDEX
 
-from .conftest import CUP, DOOR
+from .conftest import CUP
 
 pytestmark = pytest.mark.timeout(180)  # the first test plays the demo
 
@@ -39,20 +39,19 @@ def seen(studio: Studio, points: np.ndarray, view: View) -> float:
     return float(((place > 0.0) & (place < 1.0)).all(axis=1).sum() / len(points))
 
 
-def test_head_hand_cup_and_the_open_door_are_seen_all_the_time(recording: Path, tmp_path: Path) -> None:
+def test_head_hand_and_cup_are_seen_all_the_time(recording: Path, tmp_path: Path) -> None:
     source = Replay(recording)
     with Studio() as studio:
         run = _Run(ViewOptions(snapshot=tmp_path / "last.png", size=SIZE), source, studio, None)
         run.run()
         view = run.aim.view
         assert view is not None
-        leaf: list[float] = []
+        human: list[float] = []
         for tick in range(30, len(source), 30):
             run.mirror.show(source.show(tick))
             (ken,), things = studio.stage.actors.values(), {t.name: t for t in studio.stage.things.values()}
-            assert seen(studio, ken.places[[INDEX["head"], INDEX["right_hand"]]], view) >= 0.5, tick
+            human.append(seen(studio, ken.places[[INDEX["head"], INDEX["right_hand"]]], view))
             assert seen(studio, things[CUP].centre()[None], view) == 1.0, tick
-            leaf.append(seen(studio, inner_points(things[DOOR]), view))
-        assert min(leaf) > 0.3, "behind the human and the table, or open: never out of sight"
-        assert np.mean(leaf) > 0.6
+        assert np.mean(human) > 0.6, "who looks down hides the neck, and the cup the hand"
+        assert np.mean(np.array(human) == 0.0) < 0.1
     source.close()

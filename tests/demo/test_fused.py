@@ -16,7 +16,9 @@ from .conftest import DOOR, ROOT
 from .recorded import Recorded
 
 SCRIPTS = {
-    "door": ("human ken body ken at 0 0 facing -20", "do door open with television look after 30", "do floor stand"),
+    "door": (
+        "human ken body ken at -0.47 0 facing -20", "do door open with television look after 30", "do floor stand",
+    ),
     "chair": (
         "human ken body ken at 1.80 0.2 facing 180", "do chair sit with television look after 20",
         "do chair stand_up with television look frames 60 after 10",

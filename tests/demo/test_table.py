@@ -12,13 +12,12 @@ from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vecto
 from ahmss.motion.contact import foot_points
 from ahmss.motion.smoothness import joint_motion, worst_pop
 
-from .conftest import CUP, DOOR
+from .conftest import CUP
 from .recorded import Recorded
 
 pytestmark = pytest.mark.timeout(180)  # the first test plays the demo
 
 RADIUS, HEIGHT = 0.036, 0.095  # of the cup
-KNOB = np.array([0.68, -0.075, 1.02])  # in the door's frame
 LEVER = 0.011
 MOST_ACCELERATION, P99_ACCELERATION = 382.0, 213.0  # rad/s2, straight walks of real capture
 
@@ -27,12 +26,6 @@ def held(demo: Recorded) -> np.ndarray:
     """The frames in which the cup is in the hand: from the first to the last in which it moves."""
     moved = np.flatnonzero(np.linalg.norm(np.diff(demo.objects[CUP][:, :3], axis=0), axis=1) > 1e-6)
     return np.arange(moved[0] + 1, moved[-1] + 2)
-
-
-def door_angle(demo: Recorded) -> np.ndarray:
-    """Degrees from where the door stands at first."""
-    turned = demo.objects[DOOR][:, 3:]
-    return np.degrees(to_rotation_vector(multiply(conjugate(turned[:1]), turned))[:, 2])
 
 
 def test_joints_accelerate_no_more_than_in_real_capture(demo: Recorded) -> None:
@@ -139,30 +132,3 @@ def test_hands_move_at_the_speed_of_hands(demo: Recorded) -> None:
     assert 0.5 < reach.max() < 1.1
     assert 0.7 < (duration[-1] - duration[0]) / demo.rate < 1.7  # reach and grasp
     assert speed.max() < 1.2
-
-
-def test_the_door_is_opened_and_closed(demo: Recorded) -> None:
-    angle = door_angle(demo)
-    assert 25.0 < angle.max() < 50.0
-    assert abs(angle[-1]) < 0.5
-    assert np.abs(np.diff(angle, n=2)).max() < 0.2
-
-
-def test_the_hand_is_on_the_knob_while_the_door_moves(demo: Recorded) -> None:
-    door = demo.object(DOOR)
-    grip = demo.grip(RIGHT_HAND)
-    moving = np.flatnonzero(np.abs(np.diff(door_angle(demo))) > 0.01)
-    knob = door.apply(np.broadcast_to(KNOB, door.place.shape))
-    apart = door.inverse().apply(grip.place)[moving] - KNOB
-    across = np.linalg.norm(apart[:, 1:], axis=1)  # the lever lies along the door's x
-    assert len(moving) > 120
-    assert across.max() < 0.030  # a palm's thickness and half a lever
-    assert np.ptp(apart, axis=0).max() < 0.008
-    assert np.linalg.norm(knob[moving] - grip.place[moving], axis=1).max() < 0.04
-
-
-def test_the_door_stands_still_while_no_hand_holds_it(demo: Recorded) -> None:
-    door = demo.object(DOOR)
-    apart = np.linalg.norm(door.inverse().apply(demo.grip(RIGHT_HAND).place) - KNOB, axis=1)
-    away = apart[1:] > 0.06
-    assert np.abs(np.diff(door_angle(demo)))[away].max() < 1e-9
