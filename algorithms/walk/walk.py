@@ -12,8 +12,8 @@ from functools import partial
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
+from ahmss.algorithm.stepping import ground_of, rows_of, walk_library
 from ahmss.body.array import Array
-from ahmss.body.links import LINKS
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, facing_of
@@ -21,40 +21,26 @@ from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
-FEET = slice(2, 4)
-CARES = {"hips": 1.0, "upper_leg": 1.0, "lower_leg": 1.0, "foot": 1.0, "spine": 0.4, "head": 0.08}
-CARES |= {"upper_arm": 0.15, "lower_arm": 0.15, "hand": 0.15}
 MISSED = 3  # frames for which who moves may not have been seen
-LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else one bends or leans
 
 
 def walk(task: HumanTask) -> Iterator[Array]:
     """The frames of the walk, a step at a time."""
-    if task.library is None:
-        raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
-    if task.start.root[2] < LOWEST * task.human.upright()[1][2]:
-        raise AlgorithmError("one must stand to walk; stand up first")
-    ground = _ground(task)
+    library = walk_library(task)
+    ground = ground_of(task)
     goal = _goal(task, ground)
     check_distance(goal.place, task.start.root[:2])
-    if _stands_there(task, task.library, goal):
+    if _stands_there(task, library, goal):
         task.note("one stands there already, so no step is taken")
         yield _stays(task)
         return
     trip = Trip(
-        task.human, task.library, ground, goal.place, goal.facing, task.length, partial(_others, task),
+        task.human, library, ground, goal.place, goal.facing, task.length, partial(_others, task),
         task.note,
     )  # fmt: skip
     for piece in trip.pieces(task.start.rotations, task.start.root):
-        yield _rows(task, piece)
-
-
-def _ground(task: HumanTask) -> Ground:
-    """The footprints of all that stands about."""
-    things = [thing for thing in (*task.world.values(), task.object) if thing is not None and thing.kind != "human"]
-    shapes = [(ring, thing.name) for thing in things for ring in thing.occupied]
-    return Ground([ring for ring, _ in shapes], [name for _, name in shapes])
+        yield rows_of(task, piece)
 
 
 def _goal(task: HumanTask, ground: Ground) -> Goal:
@@ -91,7 +77,7 @@ def _stays(task: HumanTask) -> Array:
     n = task.length or 2
     frames = feet(task.human, task.start.rotations, task.start.root)
     rows = [task.start.rotations[:BODY], task.start.root, frames[:, :3], frames[:, 3:]]
-    return _rows(task, Piece(*(np.repeat(row[None], n, axis=0) for row in rows)))
+    return rows_of(task, Piece(*(np.repeat(row[None], n, axis=0) for row in rows)))
 
 
 def _others(task: HumanTask) -> Sequence[Walker]:
@@ -106,27 +92,6 @@ def _others(task: HumanTask) -> Sequence[Walker]:
         found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
     return found
 
-
-def _rows(task: HumanTask, piece: Piece) -> Array:
-    """POSE rows (n, 260): the feet as targets, so that they stand whatever the walk is blended with."""
-    n = len(piece.root)
-    rotations = np.repeat(task.start.rotations[None], n, axis=0)
-    rotations[:, : piece.rotations.shape[1]] = piece.rotations
-    targets = np.zeros((n, 5, 8))
-    targets[:, FEET, :3], targets[:, FEET, 3:7], targets[:, FEET, 7] = piece.ankles, piece.feet, 1.0
-    return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
-
-
-def _importance() -> Array:
-    """How much each joint, and the root, matters (44,): legs and pelvis all, arms little, the head less."""
-    out = np.zeros(len(LINKS) + 1)
-    for i, link in enumerate(LINKS[:15]):
-        out[i] = CARES[link.removeprefix("right_").removeprefix("left_")]
-    out[-1] = 1.0
-    return out
-
-
-IMPORTANCE = _importance()
 
 if __name__ == "__main__":
     run(walk)

@@ -72,7 +72,7 @@ def sits(
     name: str, *, x: float = BEFORE[0], y: float = BEFORE[1], facing: float = BEFORE[2]
 ) -> tuple[Body, list[HumanPose]]:
     body = Body(name, x, y, facing)
-    return body, body.do("playback", body.start(CHAIR, "sit"))
+    return body, body.do("playback", body.start(CHAIR, "play_sit"))
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])
@@ -91,15 +91,15 @@ def test_the_hips_meet_the_seat_whatever_the_stature(name: str) -> None:
 def test_the_feet_stay_where_they_are_while_one_sits_down(name: str, x: float, y: float, facing: float) -> None:
     body = Body(name, x, y, facing)
     before = feet(body.skeleton, body.rotations, body.root)
-    for pose in body.do("playback", body.start(CHAIR, "sit")):
+    for pose in body.do("playback", body.start(CHAIR, "play_sit")):
         now = feet(body.skeleton, pose.rotations, pose.root)
         np.testing.assert_allclose(now[:, :3], before[:, :3], atol=2e-3)
 
 
 def test_who_sits_stands_up_to_where_they_stood() -> None:
     body, _ = sits("aiko", x=1.78, y=0.25)
-    before = body.start(CHAIR, "sit")
-    shown = body.do("playback", body.start(CHAIR, "stand_up"))
+    before = body.start(CHAIR, "play_sit")
+    shown = body.do("playback", body.start(CHAIR, "play_stand_up"))
     assert before.pose.root[2] < 0.65
     assert shown[-1].root[2] > 0.525 * body.skeleton.stature
     np.testing.assert_allclose(shown[-1].root[:2], [1.78, 0.25], atol=0.03)
@@ -118,7 +118,7 @@ def test_who_stands_elsewhere_is_refused(x: float, facing: float, sentence: str)
 def test_who_does_not_sit_does_not_stand_up() -> None:
     body = Body("ken", *BEFORE)
     with pytest.raises(AlgorithmError, match=r"begins on room/chair, and the hips are 0\.\d\d m from there"):
-        list(frames(program("playback"), body.start(CHAIR, "stand_up")))
+        list(frames(program("playback"), body.start(CHAIR, "play_stand_up")))
 
 
 def test_a_walking_clip_keeps_each_foot_where_it_bears(tmp_path: Path) -> None:

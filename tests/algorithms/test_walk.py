@@ -24,7 +24,7 @@ from ahmss.body.quaternion import norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 
-from .scene import FLOOR, WORKSPACE, Body, module, program, record
+from .scene import FLOOR, WORKSPACE, Body, program, record
 
 FEET = slice(2, 4)
 FROM = (-1.5, -1.5)
@@ -313,7 +313,3 @@ def test_a_real_process_answers_as_the_function_does() -> None:
         np.testing.assert_allclose(got.root, pose.root, atol=1e-9)
         np.testing.assert_allclose(got.rotations, pose.rotations, atol=1e-9)
         np.testing.assert_allclose(got.targets, pose.targets, atol=1e-9)
-
-
-def test_what_it_cares_for_is_said_once() -> None:
-    assert module("walk").IMPORTANCE.shape == (44,)

@@ -1,4 +1,4 @@
-"""The chair's example, played: captured motions carry a human onto the seat and off it; it seats one at a time."""
+"""The chair's example, played: a human sits down and stands up; it seats one at a time."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_the_hips_are_on_the_seat_for_a_while_and_do_not_sink_into_it(played: Re
     assert np.abs(ahead + 0.055).max() < 0.06
     assert np.abs(aside).max() < 0.01
     assert height.min() - SEAT > 0.064 * played.skeleton.stature  # what one sits on is so far below the hips' joint
-    assert height.min() - SEAT < 0.067 * played.skeleton.stature
+    assert height.min() - SEAT < 0.071 * played.skeleton.stature
 
 
 def test_nobody_slides_along_the_seat(played: Recorded) -> None:
@@ -108,11 +108,11 @@ def test_two_do_not_sit_on_one_chair(tmp_path: Path, capfd: pytest.CaptureFixtur
 def test_who_stands_elsewhere_is_told_where_to_stand(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert failing(tmp_path, "human ken body ken at 0 0 facing -20", "do chair sit", "do chair stand_up") == 2
     said = capfd.readouterr()
-    assert "bring it to 1.80 0.20 facing 180" in said.out + said.err
+    assert "room/chair is 1.8 m from here; walk to room/chair first" in said.out + said.err
     assert "room/chair stand_up: ken does not hold it" in said.out + said.err
 
 
-@pytest.mark.parametrize("motion", ["chair/sit", "chair/stand_up", "door/open", "door/close"])
+@pytest.mark.parametrize("motion", ["chair/play_sit", "chair/play_stand_up", "door/open", "door/close"])
 def test_the_captured_clips_are_what_their_objects_name(motion: str) -> None:
     kind, name = motion.split("/")
     path = Workspace(ROOT).objects.get(kind).affordances[name].motion

@@ -1,0 +1,118 @@
+"""Steps on the floor as frames of a task: what walking is made of, and a step or two for who stands a little elsewhere.
+
+What the shipped algorithms that take the body somewhere share, and an author may use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.links import LINKS
+from ahmss.errors import AlgorithmError
+from ahmss.walking.goals import Goal
+from ahmss.walking.journey import Standing, footing
+from ahmss.walking.library import Library
+from ahmss.walking.trip import Ground, Piece, Trip
+
+__all__ = ["IMPORTANCE", "Stance", "ground_of", "rows_of", "stepped", "walk_library"]
+
+_FEET = slice(2, 4)
+_CARES = {
+    "hips": 1.0, "upper_leg": 1.0, "lower_leg": 1.0, "foot": 1.0, "spine": 0.4, "head": 0.08, "upper_arm": 0.15,
+    "lower_arm": 0.15, "hand": 0.15,
+}  # fmt: skip
+_LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
+
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """Where a body has come to: rotations (43, 4), root (3,)."""
+
+    rotations: Array
+    root: Array
+
+
+def walk_library(task: HumanTask) -> Library:
+    """The action's walk library.
+
+    Raises:
+        AlgorithmError: it names none; or the human does not stand.
+    """
+    if task.library is None:
+        raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
+    if task.start.root[2] < _LOWEST * task.human.upright()[1][2]:
+        raise AlgorithmError("one must stand to walk; stand up first")
+    return task.library
+
+
+def ground_of(task: HumanTask) -> Ground:
+    """The footprints of all that stands about."""
+    things = [thing for thing in (*task.world.values(), task.object) if thing is not None and thing.kind != "human"]
+    shapes = [(ring, thing.name) for thing in things for ring in thing.occupied]
+    return Ground([ring for ring, _ in shapes], [name for _, name in shapes])
+
+
+def rows_of(task: HumanTask, piece: Piece) -> Array:
+    """POSE rows (n, 260): the feet as targets, so that they stand whatever the walk is blended with."""
+    n = len(piece.root)
+    rotations = np.repeat(task.start.rotations[None], n, axis=0)
+    rotations[:, : piece.rotations.shape[1]] = piece.rotations
+    targets = np.zeros((n, 5, 8))
+    targets[:, _FEET, :3], targets[:, _FEET, 3:7], targets[:, _FEET, 7] = piece.ankles, piece.feet, 1.0
+    return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
+
+
+def stepped(
+    task: HumanTask, goal: Goal, ground: Ground, *, near: tuple[float, float], most: float, to: str
+) -> Generator[Array, None, Stance]:
+    """Frames of the steps to a place that is near, none where one stands there; then how one stands.
+
+    A hand that holds something stays as it is against the trunk.
+
+    Args:
+        task: whose human stands.
+        goal: where, and which way to face.
+        ground: what stands on the floor.
+        near: metres and radians that one may stand beside it. most: metres that are stepped.
+        to: what one steps to, for the sentence that refuses.
+
+    Raises:
+        AlgorithmError: it is too far; says what to do.
+    """
+    library, start = walk_library(task), task.start
+    standing = Standing.of(task.human, library)
+    now = footing(task.human, start.rotations, start.root, standing)
+    away = float(np.linalg.norm(goal.place - now.place))
+    turn = 0.0 if goal.facing is None else abs((goal.facing - now.heading + np.pi) % (2.0 * np.pi) - np.pi)
+    if away <= near[0] and turn <= near[1]:
+        return Stance(start.rotations.copy(), start.root.copy())
+    if away > most:
+        raise AlgorithmError(f"{to} is {away:.1f} m from here; walk to {to} first")
+    rotations, root = start.rotations.copy(), start.root.copy()
+    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
+    trip = Trip(task.human, library, ground, goal.place, goal.facing, note=task.note)
+    for piece in trip.pieces(start.rotations, start.root):
+        rows = rows_of(task, piece)
+        rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
+        yield rows
+        rotations[: piece.rotations.shape[1]], root = piece.rotations[-1], piece.root[-1]
+        rotations[held] = start.rotations[held]
+    return Stance(rotations, root)
+
+
+def _importance() -> Array:
+    """How much each joint, and the root, matters (44,): legs and pelvis all, arms little, the head less."""
+    out = np.zeros(len(LINKS) + 1)
+    for i, link in enumerate(LINKS[:15]):
+        out[i] = _CARES[link.removeprefix("right_").removeprefix("left_")]
+    out[-1] = 1.0
+    return out
+
+
+IMPORTANCE = _importance()
+_ARM = ("upper_arm", "lower_arm", "hand")
