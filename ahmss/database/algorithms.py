@@ -50,6 +50,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     humans: bool = False
     shape: bool = False
     carries: bool = False
+    accompanies: bool = False
     parameters: dict[str, dict[str, Any]] = {}
 
 
@@ -125,7 +126,7 @@ class AlgorithmFinder:
             raise document.error(("name",), f'"{top.name}" is not the name of its folder, "{name}"; make them the same')
         parameters = {n: _parameter(document, n, raw) for n, raw in top.parameters.items()}
         argv = self._argv(document, top.argv)
-        asks = (top.world, top.footprints, top.humans, top.shape, top.carries)
+        asks = (top.world, top.footprints, top.humans, top.shape, top.carries, top.accompanies)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 
     def _argv(self, document: Document, argv: list[str]) -> tuple[str, ...]:

@@ -128,6 +128,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others.
     shape: whether START says where the target's shape is kept.
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
+    accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -142,6 +143,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     humans: bool = False
     shape: bool = False
     carries: bool = False
+    accompanies: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

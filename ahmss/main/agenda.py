@@ -133,9 +133,9 @@ class Agenda:
         orders = [main.database.order(act, main.communication, actor) for act in line.acts]
         _refuse_two_carriers(orders)
         main.control.begin(orders)
-        seconds = max(order.after + order.frames for order in orders) / self._setup.rate
+        seconds = _longest(orders) / self._setup.rate
         known = all(order.frames for order in orders)
-        self._doing, self._failures = " with ".join(order.title for order in orders), main.control.failures
+        self._doing, self._failures = _title(orders), main.control.failures
         self.said(f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs")
 
     def _wait(self, line: Wait) -> None:
@@ -247,6 +247,21 @@ def _refuse_two_carriers(orders: Sequence[Order]) -> None:
             f"{titles[0]} with {titles[1]}: each takes the body its own way, and only one can at a time; "
             "do one after the other, each in a line of its own"
         )
+
+
+def _title(orders: Sequence[Order]) -> str:
+    """How the console calls motions made together and one after the other."""
+    joined = [(" then " if order.act.follows else " with ") + order.title for order in orders]
+    return "".join(joined).removeprefix(" with ")
+
+
+def _longest(orders: Sequence[Order]) -> int:
+    """Frames until the last of them is over."""
+    ends: list[int] = []
+    for order in orders:
+        before = ends.pop() if order.act.follows else 0
+        ends.append(before + order.after + order.frames)
+    return max(ends)
 
 
 def _keep_quiet(text: str) -> None:

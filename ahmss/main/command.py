@@ -2,8 +2,9 @@
 
     line   = "add" KIND ["as" NAME] ["at" X Y [Z]] ["facing" DEG]  |  "remove" NAME  |  "set" OBJECT STATE VALUE
            | "human" NAME ["body" BODY] ["at" X Y] ["facing" DEG]
-           | [HUMAN ":"] "do" act { "with" act }
+           | [HUMAN ":"] "do" chain { "with" chain }
            | [HUMAN ":"] "wait" ( SECONDS | OBJECT STATE OP VALUE )  |  "sync"
+    chain  = act { "then" act }
     act    = ( OBJECT | "at" X Y [Z] ) ACTION { detail } ["frames" N] ["after" N]
     detail = ("to" | "at") X Y [Z] | "to" NAME | "facing" DEG | "hand" ("left" | "right") | "pose" CLIP | KEY "=" VALUE
 
@@ -35,7 +36,9 @@ _IN_WORDS = {
 }  # fmt: skip
 OPERATORS = ("==", "!=", "<", "<=", ">", ">=")
 _MOST_FRAMES = 1_000_000
-_NEVER_NAMES = frozenset({"with", "to", "at", "facing", "hand", "pose", "frames", "after", "=", ":", *OPERATORS})
+_NEVER_NAMES = frozenset(
+    {"with", "then", "to", "at", "facing", "hand", "pose", "frames", "after", "=", ":", *OPERATORS}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +83,7 @@ class Act:
 
     The object is named, or found at `object_place`. The goal is a place (metres) or another object's name.
     `frames` is None (or 0) where the affordance's own number serves; `after` frames later it joins the others.
+    One that `follows` begins when the act before it in the line has ended, `after` counted from there.
     """
 
     object: str
@@ -93,6 +97,7 @@ class Act:
     parameters: tuple[tuple[str, Value], ...] = ()
     frames: int | None = None
     after: int = 0
+    follows: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,8 +224,8 @@ class _Reader:
 
     def _do(self, human: str = "") -> Do:
         acts = [self._act()]
-        while self._take("with"):
-            acts.append(self._act())
+        while (follows := self._take("then")) or self._take("with"):
+            acts.append(replace(self._act(), follows=follows))
         return Do(tuple(acts), human)
 
     def _act(self) -> Act:
@@ -233,7 +238,7 @@ class _Reader:
             if not what:
                 return act
             if what in said:
-                self._refuse(start, f"only one {what} for each action; join actions by `with`")
+                self._refuse(start, f"only one {what} for each action; join actions by `with` or `then`")
             said.add(what)
             act = changed
 

@@ -58,7 +58,8 @@ class Control:
     @property
     def starts(self) -> bool:
         """Whether something starts with the next frame: a motion, or an object whose claim is under way."""
-        if any(motion.process is None and motion.countdown == 0 for motion in self._motions):
+        waiting = [motion for motion in self._motions if motion.process is None and motion.countdown == 0]
+        if any(motion.follows not in self._motions for motion in waiting):
             return True
         return any(mover.claim is not None for mover in self._movers.values())
 
@@ -73,10 +74,11 @@ class Control:
         return [motion.given for motion in self._motions if motion.given is not None]
 
     def begin(self, orders: Sequence[Order]) -> None:
-        """Make these motions together, each after its own delay."""
+        """Make these motions together, each after its own delay, or after the one that it follows."""
         for order in orders:
             self._number += 1
-            self._motions.append(Motion(order, self._number))
+            before = self._motions[-1] if order.act.follows else None
+            self._motions.append(Motion(order, self._number, before))
 
     def stop(self) -> None:
         """Give up all motions; what is in the hand stays there."""
@@ -103,6 +105,8 @@ class Control:
             if mover.granted and self._holder(mover):
                 self._give_up(mover)
         for motion in list(self._motions):
+            if motion.follows in self._motions:
+                continue
             if motion.process is None and motion.countdown > 0:
                 motion.countdown -= 1
             elif motion.process is None:
@@ -169,9 +173,18 @@ class Control:
 
     def end_finished(self) -> None:
         """Let go of what ended with this frame."""
+        self._end_accompanying()
         for motion in [motion for motion in self._motions if motion.over]:
             self._end(motion)
         self._launcher.tend()
+
+    def _end_accompanying(self) -> None:
+        """What lasts as long as the others is over where none of them goes on, but such as wait for it."""
+        for motion in self._motions:
+            if not (motion.over or motion.accompanies or motion.follows in self._motions):
+                return
+        for motion in self._motions:
+            motion.over = motion.over or motion.accompanies
 
     # Starting
 
@@ -179,6 +192,8 @@ class Control:
         """Check, claim and start one motion; where it can't be, say why."""
         order, seen, actor = motion.order, self._communication, self._actor()
         try:
+            if order.act.follows:  # what hand is meant may have been decided by what came before
+                motion.order = order = self._database.order(order.act, seen, actor)
             self._database.check(order, seen, actor)
             motion.mover = self._claim(order)
             self._carry(motion)
@@ -398,6 +413,8 @@ class Control:
     def _drop(self, motion: Motion) -> None:
         if motion in self._motions:
             self._motions.remove(motion)
+        for after in [other for other in self._motions if other.follows is motion]:
+            self._drop(after)
         if motion.process is not None:
             motion.process.stop()
         mover = motion.mover

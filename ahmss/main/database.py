@@ -37,6 +37,7 @@ _ASIDE = 0.15  # metres to the left of the middle from which on the left hand is
 class Order:
     """One motion to be made: an act with all that the database knows of it."""
 
+    act: Act
     object: str
     affordance: Affordance
     human_algorithm: AlgorithmEntry
@@ -112,7 +113,7 @@ class Database:
         hand = _hand(act, affordance, scene.pose(name), actor, name)
         goal = self._goal(act, scene, scene.pose(name))
         return Order(
-            name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
+            act, name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
             parameters, object_parameters,
         )  # fmt: skip
 

@@ -91,15 +91,15 @@ class Motion:
     """One order being carried out.
 
     Attributes:
-        number: tells motions apart in the blend. countdown: frames until it starts.
+        number: tells motions apart in the blend. countdown: frames until it starts, once what it `follows` is over.
         process: its human algorithm. given: what it gives to the blend, once its first frame has come.
         knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
     """
 
-    def __init__(self, order: Order, number: int) -> None:
-        self.order, self.number = order, number
+    def __init__(self, order: Order, number: int, follows: Motion | None = None) -> None:
+        self.order, self.number, self.follows = order, number, follows
         self.countdown = order.after
         self.process: AlgorithmProcess | None = None
         self.given: Contribution | None = None
@@ -115,6 +115,11 @@ class Motion:
     def carries(self) -> bool:
         """Whether it takes the body elsewhere."""
         return self.order.human_algorithm.carries
+
+    @property
+    def accompanies(self) -> bool:
+        """Whether it lasts as long as the others that are made with it."""
+        return self.order.human_algorithm.accompanies and not self.order.frames
 
     @property
     def last(self) -> int:

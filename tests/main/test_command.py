@@ -90,7 +90,7 @@ def test_an_error_says_where_and_what_is_allowed(text: str, error: str) -> None:
         ("", {"do", "add", "wait", "set", "human", "remove", "sync"}),
         ("do ", {"at", "OBJECT"}),
         ("do cup ", {"ACTION"}),
-        ("do cup grasp ", {"to", "at", "facing", "hand", "pose", "frames", "after", "with", "KEY=VALUE"}),
+        ("do cup grasp ", {"to", "at", "facing", "hand", "pose", "frames", "after", "with", "then", "KEY=VALUE"}),
         ("do cup grasp hand ", {"left", "right"}),
         ("do cup grasp to ", {"X", "OBJECT"}),
         ("add ", {"KIND"}),
