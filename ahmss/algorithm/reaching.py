@@ -5,8 +5,7 @@ What the shipped algorithms that bring a hand to something share, and an author 
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 
@@ -15,29 +14,20 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import slerp
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
-from ahmss.reaching.carried import Carried
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
-from ahmss.reaching.performing import SHAPED_BY, Fingers
 from ahmss.reaching.plan import Found, Plan, Reaching
 from ahmss.reaching.prism import Prism
 
-__all__ = ["Looking", "goal_of", "planned", "prisms_of", "reach_while_carried", "refuse_far", "sides_of"]
+__all__ = ["HEAD", "Looking", "goal_of", "planned", "prisms_of", "refuse_far", "sides_of"]
 
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for, and told of
 _TOLD = 0.003  # metres
-MOST_MISSED = 0.06  # metres that are not told of who was carried to a thing
-_RELAXED = 0.9  # seconds of a reach on the way
-_SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
-_LEVEL = np.array([1.0, 1.0, 0.0])
-_EASE = 0.08  # metres by which the arm is not to be stretched
-_RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so slowly for so long has arrived
 _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
-_HEAD = 0.05  # the head's importance: what else looks somewhere has it
+HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _HEAD_SECONDS = 0.3  # in which the gaze comes to its place
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
@@ -134,78 +124,6 @@ def refuse_far(task: HumanTask, side: str, arm: Stretch) -> None:
         task.note(f"the {side} hand stops {1000.0 * arm.missing:.0f} mm short of it, as far as the arm goes")
 
 
-def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fingers]) -> Iterator[Array]:
-    """Frames (1, 260) of a hand that is at its goal with the last of them, wherever the body is carried meanwhile.
-
-    The hand sets out when the eyes have been there for a while; where nobody said how many frames, when the body
-    will be near enough in the time that a reach takes.
-
-    Args:
-        task: carried.
-        goal: where the palm shall be.
-        shape: for a side the links of the fingers and the rotations that they come to.
-    """
-    sides, gaze, begun, relaxed = sides_of(task), Looking(task, goal.place), 0, round(_RELAXED * task.rate)
-    waits = range(1, 1 + max(min(2, task.length // 3), min(task.length // 3, task.length - relaxed)))
-    last = task.present.root.copy()
-    for begun in waits if task.length else _until_near(task, goal, sides):  # noqa: B007 - counted for later
-        last = task.present.root.copy()
-        yield gaze.alone()
-    length = task.length or begun + relaxed
-    carried = Carried(task.human, goal, task.present.rotations, task.present.root, sides)
-    links, end = shape(carried.reacher.side)
-    before = task.present.rotations[links].copy()
-    for k in range(begun + 1, length + 1):
-        rotations, on = task.present.rotations, task.present.root - last
-        last = task.present.root.copy()
-        root = last + on  # about where it will be carried by this frame
-        if k == length:
-            _tell_missed(task, carried)
-        time = (k - begun) / (length - begun)
-        made, palm, spine = carried.step(rotations, root, time, _SLOWER * (length - k) * on * _LEVEL)
-        made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
-        made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
-        targets, importance = gaze.rows(np.array([k])), np.zeros(44)
-        targets[:, carried.reacher.row, :7], targets[:, carried.reacher.row, 7] = palm, 1.0
-        importance[carried.reacher.links], importance[links] = 1.0, 1.0
-        importance[INDEX["head"]], importance[INDEX["spine"]] = _HEAD, spine
-        yield task.block(made[None], root[None], importance, targets)
-
-
-def _until_near(task: HumanTask, goal: Goal, sides: Sequence[str]) -> Iterator[int]:
-    """1, 2, ... for as long as the body is farther from the goal than it is carried while a hand reaches.
-
-    Raises:
-        AlgorithmError: the body has come to rest too far away.
-    """
-    before, rested = task.present.root.copy(), 0
-    for k in itertools.count(1):
-        present = task.present
-        carried = Carried(task.human, goal, present.rotations, present.root, sides)
-        missing = carried.missing(present.rotations, present.root)
-        step = float(np.linalg.norm((present.root - before)[:2]))
-        before = present.root.copy()
-        if missing + _EASE <= 0.0 or (k > 1 and missing + _EASE <= _RELAXED * task.rate * step):
-            return
-        rested = rested + 1 if step * task.rate < _RESTING else 0
-        if rested > _PATIENCE * task.rate:
-            if missing > MOST_MISSED:
-                side = carried.reacher.side
-                raise AlgorithmError(f"the {side} arm is {missing:.2f} m too short for that where the walk has ended")
-            return
-        yield k
-
-
-def _tell_missed(task: HumanTask, carried: Carried) -> None:
-    """Say so where the body was not carried near enough for the hand to be where it should be now."""
-    missing = carried.missing(task.present.rotations, task.present.root)
-    if missing > MOST_MISSED:
-        task.note(
-            f"when the {carried.reacher.side} hand should have arrived, its arm was {missing:.2f} m too short; "
-            "let it begin later (`after N`) or take more frames"
-        )
-
-
 class Looking:
     """The gaze on its way to a place (3,), which it begins before anything else moves.
 
@@ -226,7 +144,7 @@ class Looking:
         task = self._task
         self.frames += 1
         importance = np.zeros(44)
-        importance[INDEX["head"]] = _HEAD
+        importance[INDEX["head"]] = HEAD
         rows = self.rows(np.array([self.frames]))
         return task.block(task.start.rotations[None], task.start.root[None], importance, rows)
 

@@ -70,7 +70,9 @@ class Carried:
         back = conjugate(turn)
         self._on_body = np.concatenate([rotate(back, grip[:3] - place), multiply(back, grip[3:])])
 
-    def step(self, rotations: Array, root: Array, time: float, ahead: Array) -> tuple[Array, Array, float]:
+    def step(
+        self, rotations: Array, root: Array, time: float, ahead: Array, *, settles: bool = True
+    ) -> tuple[Array, Array, float]:
         """The next frame at a share of the time, from the present pose (43, 4), (3,).
 
         Args:
@@ -78,6 +80,7 @@ class Carried:
             time: share of it.
             ahead: (3,) how far the root is likely to be carried until the end, metres: what is still missing then is
                 the waist's to give.
+            settles: whether the palm's end stays from shortly before the end on; else it is chosen anew to the last.
 
         Returns:
             rotations (43, 4), the arm near where its target brings it; the target (7,); the spine's importance.
@@ -94,7 +97,7 @@ class Carried:
         share = min(float(angle) / _FULL, 1.0)
         out = rotations.copy()
         out[_SPINE] = bent
-        if time < _SETTLED:
+        if time < _SETTLED or not settles:
             self._end_from(out, root)
         out[reacher.links] = reacher.arm.into_pose(slerp(self._begun, self._ended, done))
         return out, palm, _MOST * share * share * (3.0 - 2.0 * share)

@@ -26,6 +26,7 @@ INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle,
 THERE_BY, OPEN_BY = 0.75, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
 WIDE_BY, CLOSES_FROM = 0.5, 0.55  # where the hand has to open first: open by then, closing from then on
 GAZE = 4
+SPINE = 4.0  # its importance: a walk's is a tenth of it
 
 
 def grasp(task: HumanTask) -> Iterator[Array]:
@@ -133,6 +134,8 @@ def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Ar
     row[:, 3:7] = slerp(grip.rotation, end.rotation, moved)
     row[:, 7] = 1.0
     shares = {f"{side}_{part}": 1.0 for part in ("upper_arm", "lower_arm", "hand", "thumb", "index", "middle")}
+    if task.carried:  # the trunk is bent as the reach has left it, for as long as the hand is on its way
+        shares["spine"] = SPINE
     importance = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
     if task.site is not None and not task.parameter("open", False):
         targets[:, GAZE, :3] = task.site.place

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.reaching import Looking, goal_of, planned, prisms_of, reach_while_carried
+from ahmss.algorithm.carried import reach_while_carried
+from ahmss.algorithm.reaching import Looking, goal_of, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle

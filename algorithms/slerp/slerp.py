@@ -2,7 +2,7 @@
 
 Every keyframe is reached at rest along a minimum-jerk profile. Hands with a target go there along their own path, the
 orientation set before the place; the gaze goes first. Nothing here depends on what happens meanwhile, so the frames are
-computed in two blocks.
+computed in two blocks; but what goes to the face of who is carried is computed frame by frame, for the face goes along.
 """
 
 from __future__ import annotations
@@ -51,6 +51,9 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     if not task.carried:  # who is carried comes nearer, or goes away
         _check_reach(task, staged)
     frames = np.arange(1, task.length + 1)
+    if task.carried and staged.clip.header.targets == "face":
+        yield from _on_the_way(task, staged, frames)
+        return
     yield _block(task, staged, frames[:1])
     blind = max(task.length - 1, 1) if task.carried else 1
     if blind > 1:
@@ -61,8 +64,17 @@ def slerp(task: HumanTask) -> Iterator[Array]:
         yield _block(task, staged, frames[blind:])
 
 
-def _block(task: HumanTask, staged: Staged, frames: Array) -> Array:
-    """The frames (n) asked for, as POSE rows (n, 260)."""
+def _on_the_way(task: HumanTask, staged: Staged, frames: Array) -> Iterator[Array]:
+    """The frames (1, 260) of a hand that goes to the face, wherever the body is carried meanwhile."""
+    last = task.present.root.copy()
+    for k in frames:
+        rotations, root = task.present.rotations, 2.0 * task.present.root - last  # about where it will be
+        last = task.present.root.copy()
+        yield _block(task, staged, np.array([k]), (rotations[None], root[None]))
+
+
+def _block(task: HumanTask, staged: Staged, frames: Array, seen: tuple[Array, Array] | None = None) -> Array:
+    """The frames (n) asked for, as POSE rows (n, 260); hands go to where the face of the pose that is `seen` is."""
     course = _course(task.length, frames, staged.clip)
     key = course.key
     before = np.maximum(key - 1, 0)
@@ -72,7 +84,7 @@ def _block(task: HumanTask, staged: Staged, frames: Array) -> Array:
     root = way[key] + course.done[:, None] * (staged.root[key] - way[key])
     given = staged.clip.importance
     importance = given[before] + course.done[:, None] * (given[key] - given[before])
-    return task.block(rotations, root, importance, _targets(task, staged, course, rotations, root))
+    return task.block(rotations, root, importance, _targets(task, staged, course, *(seen or (rotations, root))))
 
 
 def _last(clip: Clip) -> Clip:
@@ -110,12 +122,19 @@ def _targets(task: HumanTask, staged: Staged, course: Course, rotations: Array, 
 def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row: int) -> Array:
     """A hand's target (n, 8): by minimum jerk from key to key, each of them moving with what it is relative to.
 
-    While the body is carried elsewhere, the hand leaves its place on it gradually: the first key's weight grows.
+    While the body is carried elsewhere, the hand leaves its place on it gradually: from where the face saw it, or
+    where its way has nothing to do with the face the first key's weight grows.
     """
     frames = np.arange(len(course.key))
     shape = (len(frames), 7)
     ends = [np.broadcast_to(frame.row(), shape) for frame in _wanted_grips(task, staged, base, row)]
-    before = ends[0] if task.carried else np.broadcast_to(task.start.grip(HANDS[row]).row(), shape)
+    to_face = staged.clip.header.targets == "face"
+    before, present = ends[0], task.start.grip(HANDS[row])
+    if task.carried and to_face:
+        on_face = face(task, task.start.rotations, task.start.root).inverse().then(present)
+        before = base.then(on_face).row()
+    elif not task.carried:
+        before = np.broadcast_to(present.row(), shape)
     stops = np.stack([before, *ends])  # (K + 1, n, 7)
     a, b = stops[course.key, frames], stops[course.key + 1, frames]
     out = np.empty((len(frames), 8))
@@ -124,7 +143,7 @@ def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row:
     rise = task.parameter("arc", 0.03) * 16.0 * course.done**2 * (1.0 - course.done) ** 2
     out[:, 2] += np.where((course.key == 0) & (not task.carried), rise, 0.0)
     out[:, 3:7] = interpolate(a[:, 3:], b[:, 3:], minimum_jerk(course.time / TURNED_BY))
-    first = 0.0 if task.carried else staged.local[0, row, 7]
+    first = 0.0 if task.carried and not to_face else staged.local[0, row, 7]
     weights = np.concatenate([[first], staged.local[:, row, 7]])
     out[:, 7] = weights[course.key] + course.done * (weights[course.key + 1] - weights[course.key])
     return out

@@ -1,0 +1,158 @@
+"""A hand reaches while another motion carries the body: it arrives when the body is near enough, wherever that is.
+
+Where nobody said how many frames it takes, the hand sets out when the body will be near enough in the time that a reach
+takes, and goes on as the body comes nearer: so it is there when the body is, neither before nor after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ahmss.algorithm.reaching import HEAD, Looking, sides_of
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import slerp
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.carried import Carried
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.performing import SHAPED_BY, Fingers
+
+__all__ = ["reach_while_carried"]
+
+_SPINE = INDEX["spine"]
+_MOST_MISSED = 0.06  # metres that are not told of who was carried to a thing
+_RELAXED = 0.9  # seconds of a reach on the way
+_SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
+_BENDS = 0.25  # metres that the waist gives to who stands where the walk has ended
+_BENDS_IN = 0.8  # seconds
+_LEVEL = np.array([1.0, 1.0, 0.0])
+_GIVEN = 0.05  # metres that the waist gives on the way
+_RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so slowly for so long has arrived
+_NEWEST = 0.06  # of the mean closing speed that the newest frame makes: the mean of about a third of a second
+_LINGERS = 0.98  # of the time, where the hand waits for the waist
+_QUICKER = 1.3  # times as fast as usual a reach goes at the most
+
+
+def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fingers]) -> Iterator[Array]:
+    """Frames (1, 260) of a hand that is at its goal with the last of them, wherever the body is carried meanwhile.
+
+    Args:
+        task: carried.
+        goal: where the palm shall be.
+        shape: for a side the links of the fingers and the rotations that they come to.
+
+    Raises:
+        AlgorithmError: the body has come to rest too far away.
+    """
+    gaze, begun, nearing = Looking(task, goal.place), 0, _Nearing(task, goal)
+    relaxed, last = round(_RELAXED * task.rate), task.present.root.copy()
+    while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(relaxed):
+        begun, last = begun + 1, task.present.root.copy()
+        yield gaze.alone()
+    present = task.present
+    carried = nearing.carried = Carried(task.human, goal, present.rotations, present.root, sides_of(task))
+    links, end = shape(carried.reacher.side)
+    before = present.rotations[links].copy()
+    time, k = 0.0, begun
+    while time < 1.0:
+        k += 1
+        time = (k - begun) / (task.length - begun) if task.length else nearing.time(time, relaxed)
+        rotations, on = task.present.rotations, task.present.root - last
+        last = task.present.root.copy()
+        root = last + on  # about where it will be carried by this frame
+        if time == 1.0:
+            _tell_missed(task, carried)
+        ahead = _SLOWER * (task.length - k) * on * _LEVEL if task.length else nearing.ahead
+        made, palm, spine = carried.step(rotations, root, time, ahead, settles=task.length > 0)
+        made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
+        made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
+        targets, importance = gaze.rows(np.array([k])), np.zeros(44)
+        targets[:, carried.reacher.row, :7], targets[:, carried.reacher.row, 7] = palm, 1.0
+        importance[carried.reacher.links], importance[links] = 1.0, 1.0
+        importance[INDEX["head"]], importance[INDEX["spine"]] = HEAD, spine
+        yield task.block(made[None], root[None], importance, targets)
+
+
+def _head_start(length: int, relaxed: int) -> int:
+    """Of so many frames those in which the eyes go first."""
+    return max(min(2, length // 3), min(length // 3, length - relaxed))
+
+
+class _Nearing:
+    """How the body comes nearer to a goal, from frame to frame.
+
+    carried: the hand, once it is chosen; before, the one that would come there more easily counts.
+    """
+
+    def __init__(self, task: HumanTask, goal: Goal) -> None:
+        self._task, self._goal, self._sides = task, goal, sides_of(task)
+        self.carried: Carried | None = None
+        self._before: Array | None = None
+        self._missing = self._closing = self._begun = 0.0
+        self._rested, self._towards = 0, np.zeros(3)
+        self._patience, self._bends = round(_PATIENCE * task.rate), round(_BENDS_IN * task.rate)
+
+    def near_in(self, frames: int) -> bool:
+        """Take in the present; whether the arm reaches in so many frames, as the body has come nearer lately.
+
+        Raises:
+            AlgorithmError: the body has come to rest too far away.
+        """
+        task, present, before = self._task, self._task.present, self._before
+        carried = self.carried or Carried(task.human, self._goal, present.rotations, present.root, self._sides)
+        upright = present.rotations.copy()
+        upright[_SPINE] = task.start.rotations[_SPINE]  # not as the waist has bent for the hand
+        missing = carried.missing(upright, present.root) - _GIVEN
+        self._towards = (carried.palm[:3] - present.root) * _LEVEL
+        if before is not None:
+            self._closing += _NEWEST * (self._missing - missing - self._closing)
+            slow = float(np.linalg.norm((present.root - before)[:2])) * task.rate < _RESTING
+            self._rested = self._rested + 1 if slow else 0
+        self._missing, self._before = missing, present.root.copy()
+        if self._rested == self._patience and missing + _GIVEN > _BENDS:
+            short = f"{carried.reacher.side} arm is {missing + _GIVEN:.2f} m too short"
+            raise AlgorithmError(f"the {short} for that where the walk has ended")
+        self._begun = self._begun if self.carried else missing
+        return self.rests or missing <= frames * max(self._closing, 0.0)
+
+    @property
+    def rests(self) -> bool:
+        """Whether the body has come to rest."""
+        return self._rested >= self._patience
+
+    @property
+    def waist(self) -> float:
+        """How much of what is still missing is the waist's to give: of who has come to rest in the end all."""
+        return float(minimum_jerk(np.array((self._rested - self._patience) / self._bends)))
+
+    @property
+    def ahead(self) -> Array:
+        """How far (3,) the body is still to come nearer, metres."""
+        towards = self._towards / max(float(np.linalg.norm(self._towards)), 1e-9)
+        return (1.0 - self.waist) * max(self._missing, 0.0) * towards
+
+    def time(self, before: float, frames: int) -> float:
+        """The share of the reach's time that the next frame is at, which follows the body; of so many frames at rest.
+
+        Raises:
+            AlgorithmError: the body has come to rest too far away.
+        """
+        self.near_in(frames)
+        if self._begun <= 0.0 or self.rests:
+            time = before + 1.0 / frames
+            return min(time, 1.0) if self._missing <= 0.0 or self.waist >= 1.0 else min(time, _LINGERS)
+        return min(max(before, 1.0 - self._missing / self._begun), before + _QUICKER / frames, 1.0)
+
+
+def _tell_missed(task: HumanTask, carried: Carried) -> None:
+    """Say so where the body was not carried near enough for the hand to be where it should be now."""
+    missing = carried.missing(task.present.rotations, task.present.root)
+    if missing > _MOST_MISSED:
+        task.note(
+            f"when the {carried.reacher.side} hand should have arrived, its arm was {missing:.2f} m too short; "
+            "let it begin later (`after N`) or take more frames"
+        )
