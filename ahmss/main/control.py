@@ -73,6 +73,11 @@ class Control:
         """What the motions give to this frame's blend."""
         return [motion.given for motion in self._motions if motion.given is not None]
 
+    @property
+    def under_way(self) -> list[tuple[Order, Contribution]]:
+        """The orders whose motions have a frame in this blend, and what they give to it."""
+        return [(motion.order, motion.given) for motion in self._motions if motion.given is not None]
+
     def begin(self, orders: Sequence[Order]) -> None:
         """Make these motions together, each after its own delay, or after the one that it follows."""
         for order in orders:
