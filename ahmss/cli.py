@@ -306,18 +306,23 @@ def doctor(as_json: Json = False) -> None:
 @app.command()
 def bench(
     what: Annotated[
-        list[str] | None, typer.Argument(help="start, compute, display, server, latency, body; left out: all.")
+        list[str] | None, typer.Argument(help="start, compute, display, server, latency, body, cases; left out: all.")
     ] = None,
     as_json: Json = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="A table for the documentation.")] = False,
     scale: Annotated[bool, typer.Option("--scale", help="How the cost grows, with a plot.")] = False,
     picture: Annotated[Path, typer.Option(help="Where the plot goes.")] = Path("out/scale.png"),
+    judge: Annotated[
+        bool, typer.Option("--judge", help="Measure the actions of the thesis's table 5.9 beside real capture.")
+    ] = False,
+    script: Annotated[Path | None, typer.Option(help="What --judge plays; left out: the scenario.")] = None,
 ) -> None:
-    """Measure start times and rates against the goals. Example: ahmss bench --json start compute"""
+    """Measure start times and rates, or how natural motions are. Example: ahmss bench --json start compute"""
     from ahmss.bench.run import main as measure
 
-    flags = {"--json": as_json, "--markdown": markdown, "--scale": scale}
+    flags = {"--json": as_json, "--markdown": markdown, "--scale": scale, "--judge": judge}
     given = [flag for flag, asked in flags.items() if asked]
+    given += ["--script", str(script)] if script is not None else []
     raise typer.Exit(measure([*(what or []), *given, "--picture", str(picture)]))
 
 

@@ -30,7 +30,7 @@ from ahmss.main.script import Step
 from ahmss.world.process import ServerProcess
 from ahmss.world.schema import NewObject
 
-__all__ = ["CASES", "Rig", "clip_of", "compute_fps", "rig"]
+__all__ = ["CASES", "Rig", "clip_of", "compute_fps", "own_workspace", "rig"]
 
 CASES = {
     "playback": "do thing playback frames {n}",
@@ -97,11 +97,25 @@ class Rig:
 
     def start_of(self, line: str) -> tuple[AlgorithmEntry, Start]:
         """The algorithm that a line starts for the human, and its START message, as the main would send it now."""
+        return self.starts_of(line)[0]
+
+    def starts_of(self, line: str) -> list[tuple[AlgorithmEntry, Start]]:
+        """All algorithms that a line starts, the humans' first, each with its START message."""
         parsed = parse(line)
         assert isinstance(parsed, Do)
         main, database = self._main, self._main.database
-        order = database.order(parsed.acts[0], main.communication, main.actor)
-        return order.human_algorithm, database.start(order, "human", main.communication, main.actor, 0, main.setup.rate)
+        orders = [database.order(act, main.communication, main.actor) for act in parsed.acts]
+        carried = any(order.human_algorithm.carries for order in orders)
+        found: list[tuple[AlgorithmEntry, Start]] = []
+        for kind in ("human", "object"):
+            for order in orders:
+                entry = order.human_algorithm if kind == "human" else order.object_algorithm
+                if entry is not None:
+                    with_body = kind == "human" and carried and not entry.carries
+                    seen, rate = main.communication, main.setup.rate
+                    start = database.start(order, kind, seen, main.actor, 0, rate, carried=with_body)
+                    found.append((entry, start))
+        return found
 
     def place_of(self, name: str) -> Array:
         """Where an object is, metres."""
@@ -118,7 +132,7 @@ class Rig:
 def rig(workspace: Workspace, objects: int = 0) -> Generator[Rig]:
     """A main that stands in a world with the bench's two things and `objects` others."""
     with tempfile.TemporaryDirectory(prefix="ahmss-bench-") as folder:
-        own = _own_workspace(workspace, Path(folder) / "workspace")
+        own = own_workspace(workspace, Path(folder) / "workspace")
         with ServerProcess(lockstep=(_HUMAN,), log=Path(folder) / "server.log") as server:
             said: list[str] = []
             setup = Setup(_HUMAN, server=server.address, workspace=own.root, fast=True, names=(_HUMAN,))
@@ -143,7 +157,7 @@ def _crowd(main: MainProcess, objects: int) -> None:
         main.frame()
 
 
-def _own_workspace(workspace: Workspace, folder: Path) -> Workspace:
+def own_workspace(workspace: Workspace, folder: Path) -> Workspace:
     """A copy of a workspace with two kinds more, each of which affords the shipped algorithms."""
     clips = {algorithm: clip_of(workspace, algorithm) for algorithm in ("playback", "slerp", "walk")}
     own = init(folder, workspace)

@@ -13,7 +13,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 from ahmss.main.play import PlaySetup, play_script, running_server
 
-__all__ = ["display_fps", "drawn"]
+__all__ = ["display_fps", "drawn", "watch"]
 
 _SIZES = ("640x480", "1280x720")
 _SECONDS = 12
@@ -24,7 +24,7 @@ def display_fps(workspace: Workspace) -> dict[str, Any]:
     """`display_fps` (the scenario's recording, drawn alone) and `display_fps_live` (while it is played), by size."""
     return {
         "display_fps": {size: drawn(workspace.root / _SCENARIO, size)["fps"] for size in _SIZES},
-        "display_fps_live": {size: _live(workspace, size) for size in _SIZES},
+        "display_fps_live": {size: watch(workspace.root / _SCENARIO, size) for size in _SIZES},
     }
 
 
@@ -44,24 +44,20 @@ def drawn(script: Path, size: str, seconds: float = 6.0) -> dict[str, Any]:
         raise AhmssError(f"the viewer at {size} gave no rate; it ended with {done.returncode}") from None
 
 
-def _live(workspace: Workspace, size: str) -> float:
-    """A viewer on the scenario as it is played in real time."""
-    return _watch(workspace.root / _SCENARIO, size)
-
-
-def _watch(script: Path, size: str) -> float:
+def watch(script: Path, size: str, seconds: float = _SECONDS, workspace: Path | None = None) -> float:
     """Play a script in real time and ask a headless viewer for its rate over some seconds."""
     viewers: list[subprocess.Popen[bytes]] = []
 
     def ready(address: str) -> None:
         command = [sys.executable, "-m", "ahmss", "view", "--server", address, "--headless", "--size", size, "--json"]
-        command += ["--seconds", str(_SECONDS)]
+        command += ["--seconds", str(seconds)]
         viewers.append(subprocess.Popen(command, stdout=subprocess.PIPE))
 
-    setup = PlaySetup()
-    with running_server(setup, ()) as address:
-        play_script(script, PlaySetup(server=address), ready)
+    with running_server(PlaySetup(), ()) as address:
+        report = play_script(script, PlaySetup(server=address, workspace=workspace), ready)
         output, _ = viewers[0].communicate(timeout=60)
+    if report.failures:
+        raise AhmssError(f"{script.name} can't be shown as it was meant: {report.mains[0]['messages'][0]}")
     try:
         return float(json.loads(output.splitlines()[-1])["frames_per_s"])
     except (ValueError, IndexError, KeyError):

@@ -10,7 +10,12 @@ from rich.table import Table
 
 from ahmss.bench.goals import GOALS, Goal, look_up
 
-__all__ = ["markdown", "missed", "show"]
+__all__ = ["has_goals", "markdown", "missed", "show"]
+
+
+def has_goals(report: Mapping[str, Any]) -> bool:
+    """Whether anything was measured that has a number to reach."""
+    return any(look_up(report, goal.key) is not None for goal in GOALS)
 
 
 def missed(report: Mapping[str, Any]) -> list[str]:

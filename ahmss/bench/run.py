@@ -11,7 +11,8 @@ from typing import Any
 
 from rich.console import Console
 
-from ahmss.bench.report import markdown, show
+from ahmss.bench import thesis
+from ahmss.bench.report import has_goals, markdown, show
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 
@@ -53,6 +54,15 @@ def _latency(_: Workspace) -> dict[str, Any]:
     return {"latency_ms": latency_ms()}
 
 
+def _cases(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.cases import shown_fps, start_ms_of
+    from ahmss.bench.polygons import polygons
+
+    return {
+        "polygons": polygons(workspace), "start_ms_of": start_ms_of(workspace), "shown_fps": shown_fps(workspace)
+    }  # fmt: skip
+
+
 def _body(_: Workspace) -> dict[str, Any]:
     from ahmss.bench.body import us_per_human
 
@@ -66,6 +76,7 @@ MEASURES: dict[str, Callable[[Workspace], dict[str, Any]]] = {
     "server": _server,
     "latency": _latency,
     "body": _body,
+    "cases": _cases,
 }
 
 
@@ -85,7 +96,7 @@ def main(arguments: Sequence[str]) -> int:
     """Measure what the command line asks for; 1 where something could not be measured."""
     parser = argparse.ArgumentParser(
         prog="ahmss bench",
-        description="Measure start times and rates, through real processes and a real server.",
+        description="Measure start times and rates, through real processes and a real server; or how motions look.",
         epilog="Example: ahmss bench --json start compute",
     )
     parser.add_argument("what", nargs="*", help=f"some of: {', '.join(MEASURES)}; all if left out", metavar="WHAT")
@@ -93,6 +104,8 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--markdown", action="store_true", help="a table for the documentation")
     parser.add_argument("--scale", action="store_true", help="how the cost grows, with a plot")
     parser.add_argument("--picture", type=Path, default=PICTURE, help=f"where the plot goes; left out: {PICTURE}")
+    parser.add_argument("--judge", action="store_true", help="the actions of table 5.9, measured beside real capture")
+    parser.add_argument("--script", type=Path, help="what is played to be judged; left out: the scenario")
     options = parser.parse_args(arguments)
     unknown = [name for name in options.what if name not in MEASURES]
     if unknown:
@@ -104,13 +117,35 @@ def main(arguments: Sequence[str]) -> int:
         report = scale(workspace, options.picture)
         print(json.dumps(report, indent=2))
         return 0
+    if options.judge:
+        return _judge(workspace, options)
     names = options.what or list(MEASURES)
     report = measure(names, workspace)
     if options.json:
         print(json.dumps(report, indent=2))
     elif options.markdown:
-        print(markdown(report))
+        texts = [markdown(report) if has_goals(report) else "", thesis.markdown(report)]
+        print("\n\n".join(text for text in texts if text))
     else:
-        show(report)
+        if has_goals(report):
+            show(report)
+        thesis.show(report)
     sys.stdout.flush()
     return 0 if report else 1
+
+
+def _judge(workspace: Workspace, options: argparse.Namespace) -> int:
+    """Play and measure the items of table 5.9; 1 where a motion failed."""
+    from ahmss.bench import judge
+
+    script = options.script or workspace.root / judge.SCRIPT
+    _progress.print(f"playing and measuring {script} …")
+    judgement = judge.judge(script, workspace)
+    if options.json:
+        print(json.dumps(judge.to_json(judgement), indent=2))
+    elif options.markdown:
+        print(judge.markdown(judgement))
+    else:
+        judge.show(judgement)
+    sys.stdout.flush()
+    return 1 if judgement.failures else 0
