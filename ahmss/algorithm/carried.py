@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from ahmss.algorithm.reaching import HEAD, Looking, sides_of
+from ahmss.algorithm.reaching import HEAD, sides_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
+from ahmss.body.inverse import GAZE
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import slerp
+from ahmss.body.quaternion import rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.carried import Carried
@@ -29,6 +30,9 @@ _RELAXED = 0.9  # seconds of a reach on the way
 _SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
 _BENDS = 0.25  # metres that the waist gives to who stands where the walk has ended
 _BENDS_IN = 0.8  # seconds
+_HEAD_SECONDS = 0.6  # in which the gaze comes to its place, and in which it leaves it
+_BESIDE = np.cos(np.radians(80.0))  # from ahead: what is farther round is not looked for
+_AHEAD = np.array([0.0, 0.0, -1.0])  # of the hips
 _LEVEL = np.array([1.0, 1.0, 0.0])
 _GIVEN = 0.05  # metres that the waist gives on the way
 _RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so slowly for so long has arrived
@@ -48,11 +52,11 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
     Raises:
         AlgorithmError: the body has come to rest too far away.
     """
-    gaze, begun, nearing = Looking(task, goal.place), 0, _Nearing(task, goal)
+    gaze, begun, nearing = _Gaze(task, goal.place), 0, _Nearing(task, goal)
     relaxed, last = round(_RELAXED * task.rate), task.present.root.copy()
     while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(relaxed):
         begun, last = begun + 1, task.present.root.copy()
-        yield gaze.alone()
+        yield task.block(task.start.rotations[None], task.start.root[None], *gaze.next())
     present = task.present
     carried = nearing.carried = Carried(task.human, goal, present.rotations, present.root, sides_of(task))
     links, end = shape(carried.reacher.side)
@@ -70,16 +74,36 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         made, palm, spine = carried.step(rotations, root, time, ahead, settles=task.length > 0)
         made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
         made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
-        targets, importance = gaze.rows(np.array([k])), np.zeros(44)
+        importance, targets = gaze.next()
         targets[:, carried.reacher.row, :7], targets[:, carried.reacher.row, 7] = palm, 1.0
         importance[carried.reacher.links], importance[links] = 1.0, 1.0
-        importance[INDEX["head"]], importance[INDEX["spine"]] = HEAD, spine
+        importance[_SPINE] = spine
         yield task.block(made[None], root[None], importance, targets)
 
 
 def _head_start(length: int, relaxed: int) -> int:
     """Of so many frames those in which the eyes go first."""
     return max(min(2, length // 3), min(length // 3, length - relaxed))
+
+
+class _Gaze:
+    """Eyes and head on the goal (3,) from when it is not behind the body any more, or is not yet."""
+
+    def __init__(self, task: HumanTask, place: Array) -> None:
+        self._task, self._place, self._turned = task, place, 0.0
+
+    def next(self) -> tuple[Array, Array]:
+        """The importances (44,) and targets (1, 5, 8) of the next frame."""
+        present = self._task.present
+        ahead = rotate(present.rotations[0], _AHEAD) * _LEVEL
+        towards = (self._place - present.root) * _LEVEL
+        cosine = float(ahead @ towards) / max(float(np.linalg.norm(ahead) * np.linalg.norm(towards)), 1e-9)
+        step = 1.0 / (_HEAD_SECONDS * self._task.rate)
+        self._turned = float(np.clip(self._turned + (step if cosine > _BESIDE else -step), 0.0, 1.0))
+        importance, targets = np.zeros(44), np.zeros((1, 5, 8))
+        importance[INDEX["head"]] = HEAD
+        targets[:, GAZE, :3], targets[:, GAZE, 7] = self._place, minimum_jerk(np.array(self._turned))
+        return importance, targets
 
 
 class _Nearing:

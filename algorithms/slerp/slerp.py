@@ -27,6 +27,7 @@ HANDS = ("right", "left")
 GAZE = 4
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
 MOST_MISSED = 0.06  # metres that are not told of: who was carried to a thing can't lean as who stands before it does
+CARRIED_IN = 16  # frames in which a hand that goes to the face has taken on the speed of the body
 TURNED_BY = 0.75  # share of the time by which a hand has its orientation
 
 
@@ -68,7 +69,8 @@ def _on_the_way(task: HumanTask, staged: Staged, frames: Array) -> Iterator[Arra
     """The frames (1, 260) of a hand that goes to the face, wherever the body is carried meanwhile."""
     last = task.present.root.copy()
     for k in frames:
-        rotations, root = task.present.rotations, 2.0 * task.present.root - last  # about where it will be
+        known = minimum_jerk(np.array(k / CARRIED_IN))  # the first frame does not say how fast the body is carried
+        rotations, root = task.present.rotations, task.present.root + known * (task.present.root - last)
         last = task.present.root.copy()
         yield _block(task, staged, np.array([k]), (rotations[None], root[None]))
 

@@ -27,7 +27,8 @@ from ahmss.reaching.plan import Reaching
 from ahmss.reaching.pointing import palms_pointing
 
 BEFORE = 0.07  # metres before the lever at which the open hand is set, and to which it goes back
-COMES, CLOSES, TURNS, OPENS, LEAVES = 0.3, 0.25, 0.75, 0.2, 0.35  # seconds
+COMES, CLOSES, TURNS, OPENS, LEAVES, RETURNS = 0.3, 0.25, 0.75, 0.2, 0.35, 0.4  # seconds
+GOES_OVER = 30  # frames in which the elbow comes back to where it was at the lever
 TURNS_ALONG = 0.5  # of the lever's turn that the hand makes
 TILTS, ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
 
@@ -69,6 +70,7 @@ def turn(task: HumanTask) -> Iterator[Array]:
     made = perform(plan, np.arange(1, length + 1) / length, lever.site.place, looked, (links, wide), then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
     yield _rows(task, made)
+    yield _back(task, made, length, plan.reacher.links)
 
 
 def _lever(task: HumanTask) -> Lever:
@@ -127,18 +129,33 @@ def _tilted(lever: Lever, palm: Transform) -> Array:
 
 
 def _turned(task: HumanTask, lever: Lever, palm: Transform, into: Array) -> tuple[Array, Array]:
-    """Palms (n, 7) from before the lever to it, with it, and back, and how far the fingers are closed (n), 0 to 1."""
-    counts = [round(seconds * task.rate) for seconds in (COMES, CLOSES, TURNS, OPENS, LEAVES)]
+    """Palms (n, 7) from before the lever to it, with it, off it, and back to where they came from, and how far the fingers are closed (n), 0 to 1."""
+    counts = [round(seconds * task.rate) for seconds in (COMES, CLOSES, TURNS, OPENS, LEAVES, RETURNS)]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
-    back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4]])
-    angle = lever.angle * np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0])
-    closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4]])
+    back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
+    angle = lever.angle * np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
+    closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
     on_lever = palm.place - lever.site.place
     around, along = from_axis_angle(lever.axis, angle), from_axis_angle(lever.axis, TURNS_ALONG * angle)
     held = lever.pivot + rotate(around, lever.site.place - lever.pivot)
     places = held + rotate(along, on_lever) - BEFORE * back[:, None] * rotate(along, into)
     return np.concatenate([places, multiply(along, palm.rotation)], axis=-1), closed
+
+
+def _back(task: HumanTask, made: Performed, length: int, arm: slice) -> Array:
+    """Frames (n, 260) in which all goes back the way that it came, which is clear of things.
+
+    The elbow may have come to another place meanwhile: the arm goes over from there.
+    """
+    rows = _rows(task, made)[:length][::-1]
+    rotations = made.rotations[:length][::-1].copy()
+    share = minimum_jerk(np.arange(1, length + 1) / GOES_OVER)[:, None]
+    rotations[:, arm] = slerp(
+        np.broadcast_to(made.rotations[-1, arm], rotations[:, arm].shape), rotations[:, arm], share
+    )
+    rows[:, 4:176] = rotations.reshape(length, 172)
+    return rows
 
 
 def _rows(task: HumanTask, made: Performed) -> Array:

@@ -11,6 +11,7 @@ import pytest
 from ahmss.algorithm import HumanPose, frames
 from ahmss.algorithm.messages import PoseRecord, Start
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
@@ -63,7 +64,10 @@ def test_the_pinch_goes_with_the_lever(name: str, begins: float, ends: float) ->
     assert np.abs(middle[held, 2] - AT[2]).max() < 0.02
     assert angle[held[0]] == pytest.approx(begins, abs=0.15)
     assert angle[held[-1]] - angle[held[0]] == pytest.approx(ends - begins, abs=0.15)
-    assert apart[-1] > apart.min() + 0.01  # let go
+    assert apart[held[-1] :].max() > apart.min() + 0.01  # let go
+    np.testing.assert_allclose(shown[-1].root, shown[0].root, atol=0.01)
+    palms = [grips(body.skeleton, pose.rotations, pose.root)[:, :3] for pose in (shown[0], shown[-1])]
+    assert np.linalg.norm(palms[1] - palms[0], axis=-1).max() < 0.03  # back where it came from
     assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
 
 
