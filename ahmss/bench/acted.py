@@ -8,9 +8,10 @@ comes from the main that made it, which runs in this process.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +39,15 @@ _SURE = 0.999  # the weight from which on a hand is to be where its target is
 
 @dataclass(frozen=True)
 class Thing:
-    """An object as it was seen: its kind, poses (F, 7), NaN where it was not there; its holder and states by frame."""
+    """An object as it was seen, by frame: poses (F, 7), NaN where it was not there; who has it, in which hand; states.
+
+    hands: "" for what is in no hand, as a door that is moved or a chair that is sat on.
+    """
 
     kind: str
     poses: Array
     holders: tuple[str, ...]
+    hands: tuple[str, ...]
     states: tuple[Mapping[str, object], ...]
 
 
@@ -159,7 +164,7 @@ def _seen(recording: Path, script: Script, notes: Mapping[int, _Note], failures:
     roots: list[Array] = []
     kept: list[_Note] = []
     kinds: dict[str, str] = {}
-    seen: dict[str, list[tuple[Array, str, Mapping[str, object]]]] = {}
+    seen: dict[str, list[_Look]] = {}
     with Reader(recording) as reader:
         record = None
         for tick in range(len(reader)):
@@ -179,19 +184,33 @@ def _seen(recording: Path, script: Script, notes: Mapping[int, _Note], failures:
             for name, thing in world.objects.items():
                 kinds[name] = thing.kind
                 rows = seen.setdefault(name, [])
-                rows += [(np.full(7, np.nan), "", {})] * (len(kept) - 1 - len(rows))
-                rows.append((world.pose(name), thing.holder or "", thing.states))
+                rows += [_ABSENT] * (len(kept) - 1 - len(rows))
+                rows.append(_Look(world.pose(name), thing.holder, thing.hand, thing.states))
         if record is None or not kept:
             raise CommandError(f"{script.path}: nothing is done in it that could be measured")
         skeleton, rate = Skeleton.from_record(reader.skeleton(record)), reader.rate
     for rows in seen.values():
-        rows += [(np.full(7, np.nan), "", {})] * (len(kept) - len(rows))
-    things = {
-        name: Thing(kinds[name], np.array([r[0] for r in rows]), tuple(r[1] for r in rows), tuple(r[2] for r in rows))
-        for name, rows in seen.items()
-    }
+        rows += [_ABSENT] * (len(kept) - len(rows))
+    things = {name: _thing(kinds[name], rows) for name, rows in seen.items()}
     return Acted(
         human.name, human.body or human.name, skeleton, rate, normalize(np.array(rotations)), np.array(roots),
         tuple(note.doings for note in kept), np.array([note.wanted for note in kept]),
         np.array([note.owner for note in kept]), things, failures,
     )  # fmt: skip
+
+
+class _Look(NamedTuple):
+    """An object in one frame."""
+
+    pose: Array
+    holder: str
+    hand: str
+    states: Mapping[str, object]
+
+
+_ABSENT = _Look(np.full(7, np.nan), "", "", {})
+
+
+def _thing(kind: str, looks: Sequence[_Look]) -> Thing:
+    poses, holders, hands, states = zip(*looks, strict=True)
+    return Thing(kind, np.array(poses), holders, hands, states)

@@ -14,6 +14,7 @@ from ahmss.motion.contact import runs
 __all__ = ["off_target", "slips"]
 
 _SETTLING = 0.5  # seconds after a change of motion in which a hand glides over to the new one's target
+_ARRIVES = 0.2  # seconds that a hand may come after a target that has just come to a stand
 _STILL = 0.01  # metres a second, of a palm that is wanted somewhere
 _MOVES = 1e-6  # metres, or half radians, from one frame to the next
 
@@ -31,9 +32,12 @@ def off_target(acted: Acted) -> Array:
     for hand in range(2):
         owner = acted.owner[:, hand]
         counts = (steps[:, hand] < _STILL) & (owner > 0)
+        for first, end in runs(counts):
+            counts[first : min(first + round(_ARRIVES * acted.rate), end)] = False
         for first in np.flatnonzero(np.diff(owner, prepend=0)):
             counts[first : first + round(_SETTLING * acted.rate)] = False
-        counts |= (owner > 0) & (np.append(owner[1:], 0) != owner)
+        for number in set(owner.tolist()) - {0}:
+            counts[np.flatnonzero(owner == number)[-1]] = True
         apart[~counts, hand] = 0.0
     return np.nan_to_num(apart).max(axis=-1)
 
@@ -41,17 +45,19 @@ def off_target(acted: Acted) -> Array:
 def slips(acted: Acted) -> Array:
     """Metres (F,) by which a thing that the human moves is elsewhere in its palm than when it began to move.
 
-    Of two hands the one counts that the thing keeps nearer to its place in. What is moved by its states (a lever, a
-    button) is not seen here.
+    Of two hands the one counts in which the thing keeps its place better. What was not taken (a door) counts while a
+    motion wants the hand somewhere, so that a door may swing on by itself. What is moved by its states alone (a lever,
+    a button) is not seen here.
     """
     palms = grips(acted.skeleton, acted.rotations, acted.root)
     worst = np.zeros(len(acted.root))
     for thing in acted.things.values():
-        for first, end in runs(_moved(thing, acted.human)):
-            inner = np.stack([_in_palm(thing.poses[first:end], palms[first:end, hand]) for hand in range(2)])
-            apart = np.linalg.norm(inner - inner[:, :1], axis=-1)
-            slip = apart[apart.max(axis=-1).argmin()]
-            worst[first:end] = np.maximum(worst[first:end], slip)
+        moved, taken = _moved(thing, acted.human), np.array([hand != "" for hand in thing.hands])
+        for flags in (moved & taken, moved & ~taken & (acted.owner > 0).any(axis=-1)):
+            for first, end in runs(flags):
+                inner = np.stack([_in_palm(thing.poses[first:end], palms[first:end, hand]) for hand in range(2)])
+                apart = np.linalg.norm(inner - inner[:, :1], axis=-1)
+                worst[first:end] = np.maximum(worst[first:end], apart[apart.max(axis=-1).argmin()])
     return worst
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -96,9 +97,9 @@ def _item(
 
 def show(judgement: Judgement) -> None:
     """Print the five measures that say most, and what is worse than real; --markdown and --json have them all."""
-    table = Table(title="The actions and transitions of table 5.9, measured (all measures: --markdown)")
-    for column in ("", "of 4", *(f"{_HEADS[name]}\n{UNITS[name]}" for name in _MOST), "worse"):
-        table.add_column(column, justify="right" if column else "left", no_wrap=True)
+    table = Table(title="The items of table 5.9, measured (all measures: --markdown)", box=SIMPLE_HEAD)
+    for column in ("", "of 4", *(f"{_HEADS[name]}\n{UNITS[name]}" for name in _MOST), "!"):
+        table.add_column(column, justify="right" if column else "left", no_wrap=True, min_width=4)
     for item in judgement.items:
         score = "-" if item.score is None else f"{item.score:.1f}"
         if item.measured is None:
