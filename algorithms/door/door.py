@@ -1,7 +1,7 @@
 """A door that the hand opens and closes (Ichiguchi 2000, 5.3.4).
 
-It turns about its hinge only, the z axis of its frame, as far as the hand that holds its knob goes along the knob's
-arc. When the hand opens, or leaves the arc by more than the threshold, the door stays where it is.
+It turns about its hinge only, the z axis of its frame, as far as the hand that holds its knob, on either side of it,
+goes along the knob's arc. When the hand opens, or leaves the arc by more than the threshold, it stays where it is.
 """
 
 from __future__ import annotations
@@ -21,21 +21,25 @@ LARGEST = 1.75  # radians that a door opens, where its state `angle` does not sa
 
 def door(task: ObjectTask) -> Iterator[ObjectPose]:
     """The door's pose at each frame of the human."""
-    side = task.hand or "right"
+    sides = (task.hand,) if task.hand else ("right", "left")
     angle = float(task.object.states.get("angle", 0.0))
     closed = Transform(task.object.place.copy(), multiply(task.object.rotation, from_axis_angle(UP, -angle)))
-    knob = np.array(task.object.sites[task.message.site].position)
+    names = (task.message.site, f"{task.message.site}_back")
+    knobs = np.array([task.object.sites[name].position for name in names if name in task.object.sites])
     from_hand: float | None = None  # what the door's angle is beyond the hand's, from the moment that it is held
+    held_by = ""
     for human in task.frames():
-        hand = closed.inverse().apply(human.grip(side).place)
-        leaf = from_axis_angle(UP, angle)
-        near = float(np.linalg.norm(rotate(leaf, knob) - hand)) <= task.parameter("threshold", 0.05)
-        if not near or not _holds(human, side, task.parameter("closed_hand", 85.0)):
-            from_hand = None
+        palms = {side: closed.inverse().apply(human.grip(side).place) for side in sides}
+        at = rotate(from_axis_angle(UP, angle), knobs)
+        near = {side: float(np.linalg.norm(at - palm, axis=1).min()) for side, palm in palms.items()}
+        side = held_by or min(near, key=lambda side: near[side])
+        there = near[side] <= task.parameter("threshold", 0.05)
+        if not there or not _holds(human, side, task.parameter("closed_hand", 85.0)):
+            from_hand, held_by = None, ""
         else:
-            bearing = float(np.arctan2(hand[1], hand[0]))
+            bearing = float(np.arctan2(palms[side][1], palms[side][0]))
             if from_hand is None:
-                from_hand = angle - bearing
+                from_hand, held_by = angle - bearing, side
             angle = float(np.clip(bearing + from_hand, 0.0, LARGEST))
         yield task.pose(None, multiply(closed.rotation, from_axis_angle(UP, angle)), _told(task, angle))
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.stepping import ground_of, rows_of, walk_library
+from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
@@ -39,8 +40,9 @@ def walk(task: HumanTask) -> Iterator[Array]:
         task.human, library, ground, goal.place, goal.facing, task.length, partial(_others, task),
         task.note,
     )  # fmt: skip
+    tucking = Tucking(task)
     for piece in trip.pieces(task.start.rotations, task.start.root):
-        yield rows_of(task, piece)
+        yield tucking.over(rows_of(task, piece))
 
 
 def _goal(task: HumanTask, ground: Ground) -> Goal:
@@ -50,7 +52,8 @@ def _goal(task: HumanTask, ground: Ground) -> Goal:
     if thing is not None:
         stand = thing.sites.get("stand")
         if stand is not None and not stand.free_axis:
-            site = thing.site("stand", task.start.root)
+            both = [thing.site(name, task.start.root) for name in ("stand", "stand_back") if name in thing.sites]
+            site = min(both, key=lambda site: float(np.linalg.norm(site.place[:2] - root)))
             own = facing_of(site.rotation)
             return Goal(site.place[:2], own if facing is None else facing)
         reach = REACH if stand is None else float(np.hypot(*stand.position[:2]))  # at any side

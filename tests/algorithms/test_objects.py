@@ -28,9 +28,9 @@ def at_door() -> Body:
 
 
 def opened(body: Body) -> list[ObjectPose]:
-    start = body.start(DOOR, "open")
+    start = body.start(DOOR, "play_open")
     shown = body.do("playback", start)
-    return list(frames(program("door"), body.start(DOOR, "open", kind="object"), body.rows(shown)))
+    return list(frames(program("door"), body.start(DOOR, "play_open", kind="object"), body.rows(shown)))
 
 
 def test_the_door_follows_the_hand_and_stays_where_it_is_left() -> None:
@@ -59,19 +59,19 @@ def test_the_door_tells_its_angle_only_while_it_changes() -> None:
 
 def test_an_open_hand_does_not_move_the_door() -> None:
     body = at_door()
-    shown = body.do("playback", body.start(DOOR, "open"))
+    shown = body.do("playback", body.start(DOOR, "play_open"))
     for pose in shown:
         pose.rotations[INDEX["right_thumb_proximal"] : INDEX["right_little_distal"] + 1] = [1.0, 0.0, 0.0, 0.0]
-    poses = list(frames(program("door"), body.start(DOOR, "open", kind="object"), body.rows(shown)))
+    poses = list(frames(program("door"), body.start(DOOR, "play_open", kind="object"), body.rows(shown)))
     assert angles(poses) == pytest.approx(0.0)
 
 
 def test_the_door_stops_when_the_hand_leaves_its_arc() -> None:
     body = at_door()
-    rows = body.rows(body.do("playback", body.start(DOOR, "open")))
+    rows = body.rows(body.do("playback", body.start(DOOR, "play_open")))
     for row in rows[110:]:
         row[176 + 2] += 0.2  # the hand goes up
-    poses = list(frames(program("door"), body.start(DOOR, "open", kind="object"), rows))
+    poses = list(frames(program("door"), body.start(DOOR, "play_open", kind="object"), rows))
     angle = angles(poses)
     assert 1.0 < angle[109] < 29.0
     assert angle[111:] == pytest.approx(angle[110])
@@ -80,11 +80,11 @@ def test_the_door_stops_when_the_hand_leaves_its_arc() -> None:
 def test_the_door_is_closed_from_where_it_stands() -> None:
     body = at_door()
     leaf = opened(body)[-1]
-    start = body.start(DOOR, "close", frame=Transform(leaf.place, leaf.rotation))
+    start = body.start(DOOR, "play_close", frame=Transform(leaf.place, leaf.rotation))
     shown = body.do("playback", start)
     at = angles([leaf])[0]
     stood = Transform(leaf.place, leaf.rotation)
-    start = body.start(DOOR, "close", kind="object", frame=stood, states={"angle": float(np.radians(at))})
+    start = body.start(DOOR, "play_close", kind="object", frame=stood, states={"angle": float(np.radians(at))})
     angle = angles(list(frames(program("door"), start, body.rows(shown))))
     assert angle[0] == pytest.approx(at, abs=1e-6)
     assert abs(angle[-1]) < 0.5

@@ -24,13 +24,13 @@ KNOB = np.array([0.68, -0.075, 1.02])
 @pytest.mark.parametrize("length", [1, 40, 228, 300])
 def test_it_has_as_many_frames_as_asked_for(length: int) -> None:
     body = Body(x=-0.47)
-    assert len(list(frames(program("playback"), body.start(DOOR, "open", frames=length)))) == length
+    assert len(list(frames(program("playback"), body.start(DOOR, "play_open", frames=length)))) == length
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])
 def test_the_palm_meets_the_lever(name: str) -> None:
     body = Body(name, -0.47)
-    shown = body.do("playback", body.start(DOOR, "open"))
+    shown = body.do("playback", body.start(DOOR, "play_open"))
     knob = frame_of(DOOR).apply(KNOB)
     body.rotations, body.root = shown[70].rotations, shown[70].root
     assert np.linalg.norm(body.grip().place - knob) < 0.03
@@ -39,7 +39,7 @@ def test_the_palm_meets_the_lever(name: str) -> None:
 def test_the_feet_stay() -> None:
     body = Body(x=-0.47)
     before = feet(body.skeleton, body.rotations, body.root)
-    for pose in body.do("playback", body.start(DOOR, "open", frames=60)):
+    for pose in body.do("playback", body.start(DOOR, "play_open", frames=60)):
         now = feet(body.skeleton, pose.rotations, pose.root)
         np.testing.assert_allclose(now[:, :3], before[:, :3], atol=3e-3)
         assert np.abs(np.einsum("fc,fc->f", now[:, 3:], before[:, 3:])).min() > 0.99999
@@ -51,7 +51,7 @@ def test_it_plays_where_the_human_is(tmp_path: Path) -> None:
     here, there = Body(x=-0.47), Body(x=2.0, y=1.0, facing=90.0)
     ways = []
     for body in (here, there):
-        start = body.start(DOOR, "open", frames=100, motion=str(tmp_path / "lean.npz"))
+        start = body.start(DOOR, "play_open", frames=100, motion=str(tmp_path / "lean.npz"))
         ways.append(np.array([pose.root for pose in frames(program("playback"), start)]) - body.root)
     turned = np.stack([-ways[0][:, 1], ways[0][:, 0]], axis=-1)  # by 110 degrees, less the 90 undone below
     angle = np.radians(20.0)
@@ -62,7 +62,7 @@ def test_it_plays_where_the_human_is(tmp_path: Path) -> None:
 def test_a_hand_that_is_wanted_far_away_is_refused() -> None:
     body = Body(x=1.53, y=1.0, facing=90.0)
     with pytest.raises(AlgorithmError, match=r"right hand is wanted 2\.\d\d m from where the motion takes it; bring"):
-        list(frames(program("playback"), body.start(DOOR, "open")))
+        list(frames(program("playback"), body.start(DOOR, "play_open")))
 
 
 CHAIR, BEFORE = "room/chair", (1.80, 0.2, 180.0)  # where a human stands to sit down
@@ -134,7 +134,7 @@ def test_a_walking_clip_keeps_each_foot_where_it_bears(tmp_path: Path) -> None:
     )  # fmt: skip
     save(clip, tmp_path / "go.npz")
     body = Body()
-    start = body.start(DOOR, "open", frames=count - 1, motion=str(tmp_path / "go.npz"))
+    start = body.start(DOOR, "play_open", frames=count - 1, motion=str(tmp_path / "go.npz"))
     targets = np.array([pose.targets for pose in frames(program("playback"), start)])
     assert (targets[10:18, 2, 7] == 0.0).all()
     assert np.ptp(targets[:, 3, :3], axis=0).max() < 1e-9

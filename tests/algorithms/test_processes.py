@@ -17,8 +17,9 @@ from .scene import CUP, DOOR, FLOOR, WORKSPACE, Body, program
 
 SHIPPED = [
     ("slerp", CUP, "lift", "human"), ("reach", CUP, "reach", "human"),
-    ("grasp", CUP, "release", "human"), ("playback", DOOR, "open", "human"),
-    ("hold_arm", FLOOR, "stand", "human"), ("door", DOOR, "open", "object"), ("follow_hand", CUP, "grasp", "object"),
+    ("grasp", CUP, "release", "human"), ("playback", DOOR, "play_open", "human"),
+    ("hold_arm", FLOOR, "stand", "human"), ("door", DOOR, "play_open", "object"),
+    ("follow_hand", CUP, "grasp", "object"),
     ("stay", "room/chair", "sit", "object"), ("pressed", "room/television/switch", "press", "object"),
     ("turned", "room/sink/tap", "turn", "object"),
 ]  # fmt: skip

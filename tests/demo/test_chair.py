@@ -112,7 +112,7 @@ def test_who_stands_elsewhere_is_told_where_to_stand(tmp_path: Path, capfd: pyte
     assert "room/chair stand_up: ken does not hold it" in said.out + said.err
 
 
-@pytest.mark.parametrize("motion", ["chair/play_sit", "chair/play_stand_up", "door/open", "door/close"])
+@pytest.mark.parametrize("motion", ["chair/play_sit", "chair/play_stand_up", "door/play_open", "door/play_close"])
 def test_the_captured_clips_are_what_their_objects_name(motion: str) -> None:
     kind, name = motion.split("/")
     path = Workspace(ROOT).objects.get(kind).affordances[name].motion

@@ -17,7 +17,7 @@ from .recorded import Recorded
 
 SCRIPTS = {
     "door": (
-        "human ken body ken at -0.47 0 facing -20", "do door open with television look after 30", "do floor stand",
+        "human ken body ken at -0.47 0 facing -20", "do door play_open with television look after 30", "do floor stand",
     ),
     "chair": (
         "human ken body ken at 1.80 0.2 facing 180", "do chair sit with television look after 20",

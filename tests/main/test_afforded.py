@@ -79,7 +79,7 @@ def test_a_door_that_is_open_can_only_be_closed() -> None:
     room = Room()
     assert actions(room, "door", ken()) >= {"open"}
     assert "close" not in actions(room, "door", ken())
-    room.objects["room/doorway/door"].states["angle"] = 0.5
+    room.objects["room/doorway/door"].states["angle"] = 1.3
     assert "open" not in actions(room, "door", ken())
     assert "close" in actions(room, "door", ken())
 

@@ -1,0 +1,251 @@
+"""Opening and closing a door that one walks through: a hand takes the lever, the body steps along with the leaf.
+
+One stands where the arm reaches the lever at the leaf's angle now, and steps to where it reaches it at the angle that
+it is swung to; in between the hand goes along the lever's arc, and the object's own algorithm turns the leaf with it.
+So one pushes from one side and pulls from the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, walk_library
+from ahmss.body.array import Array
+from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate, slerp
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.fingers import Cylinder, closed, opened
+from ahmss.motion.planting import feet
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.waist import bent_towards
+from ahmss.walking.goals import Goal
+from ahmss.walking.trip import Ground, Trip
+
+UPWARD = np.array([0.0, 0.0, 1.0])
+WIDE = 1.3  # radians: the angle that the second of the places below is for
+ARM = 0.68  # metres from the hinge to the lever that they are for
+# Where one stands, in the closed leaf's frame: x, y in metres and the heading in degrees, with the leaf closed and wide
+# open; by the side of the leaf, -1 before it and 1 where it opens to, and the hand. Found by a search for what both
+# shipped bodies do with the least bent wrist and the arm not stretched, clear of the leaf and the frame.
+STANDS = {
+    (-1, "right"): ((0.53, -0.46, 131.0), (0.53, 0.20, 165.0)),
+    (-1, "left"): ((1.00, -0.56, 41.0), (0.45, 0.05, 20.0)),
+    (1, "right"): ((0.84, 0.64, -43.0), (0.05, 1.09, -26.0)),
+    (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0)),
+}
+TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even at half the way
+NEAR, MOST = (0.05, np.radians(5.0)), 2.0  # metres and radians: who stands so is not moved; metres that are stepped
+COMES, CLOSES, OPENS, LEAVES = 0.95, 0.3, 0.25, 0.6  # seconds
+BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, and to which it goes back
+PITCH = np.radians(50.0)  # by which the palm looks down on the lever
+DIAMETER, INTO_FINGERS = 0.022, 0.01  # metres: of a lever that does not say; how far it lies towards the fingers
+OPENED = 0.6  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
+SOFT, PADDED, EDGE = 9.0, 60, 0.3  # frames by which the leaf's way is smoothed; shares of it that begin and end softly
+
+
+@dataclass(frozen=True, eq=False)
+class Door:
+    """A door, and from which side it is taken.
+
+    closed: its frame when it is closed. angle, wanted: radians, now and then. side: on which one is, -1 or 1. lever:
+    (3,) on that side, in the leaf's frame.
+    """
+
+    name: str
+    closed: Transform
+    angle: float
+    wanted: float
+    side: int
+    lever: Array
+
+    def stand(self, hand: str, angle: float) -> Goal:
+        """Where one stands to have the lever in that hand at an angle."""
+        first, last = (np.array(place) for place in STANDS[self.side, hand])
+        x, y, heading = first + np.clip(angle / WIDE, 0.0, 1.0) * (last - first)
+        place = self.closed.apply(np.array([x + self.lever[0] - ARM, y, 0.0]))
+        ahead = rotate(self.closed.rotation, np.array([np.cos(np.radians(heading)), np.sin(np.radians(heading)), 0.0]))
+        return Goal(place[:2], float(np.arctan2(ahead[1], ahead[0])))
+
+    def palms(self, palm: Transform, angle: Array, before: Array) -> Array:
+        """The palm (n, 7) on the lever at angles (n), drawn back by metres (n); `palm` is on the closed leaf's."""
+        leaf = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), angle)
+        yaw = TURNS_ALONG * angle + (1.0 - TURNS_ALONG) * 0.5 * WIDE
+        own = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), yaw)
+        turned = multiply(own, palm.rotation)
+        around = rotate(leaf, self.lever) + rotate(own, palm.place - self.lever)
+        places = around - before[:, None] * rotate(turned, np.array([1.0, 0.0, 0.0]))
+        inner = Transform(places, turned)
+        return Transform(
+            np.broadcast_to(self.closed.place, places.shape), np.broadcast_to(self.closed.rotation, turned.shape)
+        ).then(inner).row()  # fmt: skip
+
+
+def swing(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): steps to the lever, the hand takes it, steps with it, lets it go."""
+    walk_library(task)
+    door, side = _door(task), _hand(task)
+    before = door.stand(side, door.angle)
+    stance = yield from stepped(task, before, ground_of(task), near=NEAR, most=MOST, to=door.name)
+    hand = Taking(task, door, side)
+    yield hand.comes(stance)
+    walked = hand.goes(stance)
+    yield walked
+    yield hand.leaves(Stance(walked[-1, 4:176].reshape(43, 4), walked[-1, 1:4]))
+
+
+class Taking:
+    """A hand that takes a door's lever, from the frame in which it sets out until it hangs again."""
+
+    def __init__(self, task: HumanTask, door: Door, side: str) -> None:
+        self.task, self.door, self.reacher = task, door, Reacher.of(task.human, side)
+        self.links = list(fingers(side))
+        self.palm, self.fist = _grip(task, door, side)
+        self.at_ease = task.start.rotations[self.links]
+        self.wide = slerp(self.fist, opened(side, self.at_ease[:2]), OPENED)
+
+    def comes(self, stance: Stance) -> Array:
+        """Frames (n, 260) in which the hand comes to the lever and closes."""
+        comes, closes = _time(self.task, COMES), _time(self.task, CLOSES)
+        n = len(comes) + len(closes)
+        way = minimum_jerk(np.concatenate([comes, np.ones(len(closes))]))
+        off = BEFORE * (1.0 - minimum_jerk((np.concatenate([comes, np.ones(len(closes))]) - 0.55) / 0.45))
+        on = self.door.palms(self.palm, np.full(n, self.door.angle), off)
+        own = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
+        places = own[:3] + minimum_jerk(way / 0.9)[:, None] * (on[:, :3] - own[:3])
+        palms = np.concatenate([places, slerp(own[3:], on[:, 3:], minimum_jerk(way / 0.8))], axis=1)
+        shape = np.concatenate(
+            [
+                slerp(stance.rotations[self.links], self.wide, minimum_jerk(comes / 0.6)[:, None]),
+                slerp(self.wide, self.fist, minimum_jerk(closes)[:, None]),
+            ]
+        )
+        return self._rows(_standing(self.task, stance, n), palms, shape, way)
+
+    def goes(self, stance: Stance) -> Array:
+        """Frames (n, 260) of the steps along with the leaf."""
+        task, door = self.task, self.door
+        assert task.library is not None
+        end = door.stand(self.reacher.side, door.wanted)
+        trip = Trip(task.human, task.library, Ground(), end.place, end.facing)
+        rows = np.concatenate([rows_of(task, piece) for piece in trip.pieces(stance.rotations, stance.root)])
+        n, begin = len(rows), door.stand(self.reacher.side, door.angle).place
+        share = _along(rows[:, 1:3], begin, end.place)
+        palms = door.palms(self.palm, door.angle + share * (door.wanted - door.angle), np.zeros(n))
+        return self._rows(rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n))
+
+    def leaves(self, stance: Stance) -> Array:
+        """Frames (n, 260) in which the hand opens, comes off the lever, and hangs again."""
+        opens, leaves = _time(self.task, OPENS), _time(self.task, LEAVES)
+        n = len(opens) + len(leaves)
+        away = minimum_jerk(np.concatenate([np.zeros(len(opens)), leaves]))
+        on = self.door.palms(self.palm, np.full(n, self.door.wanted), BACK * minimum_jerk(2.0 * away))
+        hangs = _hanging(self.task, self.reacher, stance)
+        places = on[:, :3] + away[:, None] * (hangs[:3] - on[:, :3])
+        palms = np.concatenate([places, slerp(on[:, 3:], hangs[3:], away)], axis=1)
+        open_by = minimum_jerk(np.concatenate([opens, np.ones(len(leaves))]))
+        shape = slerp(slerp(self.fist, self.wide, open_by[:, None]), self.at_ease, away[:, None])
+        return self._rows(_standing(self.task, stance, n), palms, shape, 1.0 - away)
+
+    def _rows(self, rows: Array, palms: Array, shape: Array, bends: Array) -> Array:
+        """Frames with the palm (n, 7) where it shall be, its fingers (n, 14, 4), the waist helping by a share (n)."""
+        n, skeleton, spine = len(rows), self.task.human, INDEX["spine"]
+        out = rows.copy()
+        rotations, root, targets = out[:, 4:176].reshape(n, 43, 4), out[:, 1:4], out[:, 220:].reshape(n, 5, 8)
+        wrist, _ = self.reacher.hand(palms)
+        bent = bent_towards(self.reacher, rotations[:, 0], root, rotations[:, spine], wrist)
+        rotations[:, spine] = slerp(rotations[:, spine], bent, bends)
+        targets[:, self.reacher.row, :7], targets[:, self.reacher.row, 7] = palms, 1.0
+        rotations[:] = solve(skeleton, rotations, root, targets)
+        rotations[:, self.links] = shape
+        importance = out[:, 176:220]
+        importance[:, self.reacher.links] = importance[:, self.links] = 1.0
+        importance[:, spine] = 1.0
+        for busy in self.task.busy:
+            importance[:, Reacher.of(skeleton, busy).links] = 0.0
+        return out
+
+
+def _along(places: Array, begin: Array, end: Array) -> Array:
+    """How far (n), 0 to 1, a body at places (n, 2) has come from one place to another: smoothly, and never back."""
+    way = end - begin
+    share = np.maximum.accumulate(np.clip((places - begin) @ way / (way @ way), 0.0, 1.0))
+    padded = np.concatenate([np.full(PADDED, share[0]), share, np.full(PADDED, share[-1])])
+    soft = gaussian_filter1d(padded, SOFT)[PADDED:-PADDED]
+    time = np.arange(1, len(soft) + 1) / len(soft)
+    soft = soft * minimum_jerk(time / EDGE)
+    return soft + (1.0 - soft) * minimum_jerk((time - 1.0 + EDGE) / EDGE)
+
+
+def _time(task: HumanTask, seconds: float) -> Array:
+    """Shares of a time, frame by frame (n), the last is 1."""
+    n = round(seconds * task.rate)
+    return np.arange(1, n + 1) / n
+
+
+def _hanging(task: HumanTask, reacher: Reacher, stance: Stance) -> Array:
+    """The palm (7,) of the arm hanging as it does when one begins to walk."""
+    assert task.library is not None
+    clip = next(clip for key, clip in task.library.clips.items() if key.kind == "start")
+    rotations = stance.rotations.copy()
+    rotations[reacher.links] = clip.rotations[0][reacher.links]
+    rotations[INDEX["spine"]] = clip.rotations[0][INDEX["spine"]]
+    return grips(task.human, rotations, stance.root)[reacher.row]
+
+
+def _door(task: HumanTask) -> Door:
+    thing = task.object
+    if thing is None or task.site is None or not thing.sites:
+        raise AlgorithmError("swing needs a door and the site of its lever")
+    angle = float(thing.states.get("angle", 0.0))
+    closed = Transform(thing.place.copy(), multiply(thing.rotation, from_axis_angle(UPWARD, -angle)))
+    side = 1 if closed.inverse().apply(task.start.root)[1] > 0.0 else -1
+    names = [name for name in (task.message.site, f"{task.message.site}_back") if name in thing.sites]
+    site = thing.sites[max(names, key=lambda name: side * thing.sites[name].position[1])]
+    return Door(thing.name, closed, angle, task.parameter("to", 0.0), side, np.array(site.position))
+
+
+def _hand(task: HumanTask) -> str:
+    """Raises: AlgorithmError: both hands hold something."""
+    free = [side for side in ("right", "left") if side not in task.busy]
+    if task.hand:
+        return task.hand
+    if not free:
+        raise AlgorithmError("both hands hold something; let go of it first")
+    return free[0]
+
+
+def _grip(task: HumanTask, door: Door, side: str) -> tuple[Transform, Array]:
+    """The palm on the lever, in the leaf's frame, and the fingers (14, 4) closed about it: from before and above."""
+    assert task.object is not None
+    into = np.array([0.0, -float(door.side), 0.0])
+    thumb = np.cross(into, UPWARD) * (1.0 if side == "left" else -1.0)
+    out = np.cos(PITCH) * into - np.sin(PITCH) * UPWARD
+    rotation = from_matrix(np.stack([out, np.cross(thumb, out), thumb], axis=1))
+    radius = 0.5 * float(task.object.properties.get("knob_diameter", DIAMETER))
+    to_fingers = np.cos(PITCH) * UPWARD + np.sin(PITCH) * into
+    turn = np.arcsin(min(INTO_FINGERS / radius, 0.8))
+    palm = Transform(door.lever - radius * (np.cos(turn) * out + np.sin(turn) * to_fingers), rotation)
+    row = Reacher.of(task.human, side).row
+    seen = palm.then(Transform.of(task.human.grips[row]).inverse()).inverse()  # the leaf as the hand sees it
+    bar = Cylinder(seen.apply(door.lever), rotate(seen.rotation, thumb), radius)
+    return palm, closed(task.human, side, bar)
+
+
+def _standing(task: HumanTask, stance: Stance, n: int) -> Array:
+    """POSE rows (n, 260) of standing as one stands."""
+    targets = np.zeros((n, 5, 8))
+    targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7] = feet(task.human, stance.rotations, stance.root)
+    targets[:, RIGHT_FOOT : LEFT_FOOT + 1, 7] = 1.0
+    rotations, root = np.repeat(stance.rotations[None], n, axis=0), np.repeat(stance.root[None], n, axis=0)
+    return task.block(rotations, root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
+
+
+if __name__ == "__main__":
+    run(swing)
