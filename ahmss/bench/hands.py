@@ -43,29 +43,30 @@ def off_target(acted: Acted) -> Array:
 
 
 def slips(acted: Acted) -> Array:
-    """Metres (F,) by which a thing that the human moves is elsewhere in its palm than when it began to move.
+    """Metres (F,) by which a thing that the human holds is elsewhere in its palm than when it began to move.
 
-    Of two hands the one counts in which the thing keeps its place better. What was not taken (a door) counts while a
-    motion wants the hand somewhere, so that a door may swing on by itself. What is moved by its states alone (a lever,
-    a button) is not seen here.
+    Of two hands the one counts in which the thing keeps its place better. A door, a lever or a button is in no hand:
+    who moves it may let go of it, take it with the other hand, or slide along it.
     """
     palms = grips(acted.skeleton, acted.rotations, acted.root)
     worst = np.zeros(len(acted.root))
     for thing in acted.things.values():
-        moved, taken = _moved(thing, acted.human), np.array([hand != "" for hand in thing.hands])
-        for flags in (moved & taken, moved & ~taken & (acted.owner > 0).any(axis=-1)):
-            for first, end in runs(flags):
-                inner = np.stack([_in_palm(thing.poses[first:end], palms[first:end, hand]) for hand in range(2)])
-                apart = np.linalg.norm(inner - inner[:, :1], axis=-1)
-                worst[first:end] = np.maximum(worst[first:end], apart[apart.max(axis=-1).argmin()])
+        for first, end in runs(_held(thing, acted.human)):
+            inner = np.stack([_in_palm(thing.poses[first:end], palms[first:end, hand]) for hand in range(2)])
+            apart = np.linalg.norm(inner - inner[:, :1], axis=-1)
+            worst[first:end] = np.maximum(worst[first:end], apart[apart.max(axis=-1).argmin()])
     return worst
 
 
-def _moved(thing: Thing, human: str) -> NDArray[np.bool_]:
-    """In which frames (F,) the human moves it."""
+def _held(thing: Thing, human: str) -> NDArray[np.bool_]:
+    """In which frames (F,) the human has it in a hand, from the first in which it moves."""
     poses = thing.poses
-    steps = np.abs(np.diff(poses, axis=0, prepend=poses[:1])).max(axis=-1)
-    return (np.nan_to_num(steps) > _MOVES) & (np.array(thing.holders) == human)
+    steps = np.nan_to_num(np.abs(np.diff(poses, axis=0, prepend=poses[:1])).max(axis=-1))
+    held = np.array([who == human and hand != "" for who, hand in zip(thing.holders, thing.hands, strict=True)])
+    for first, end in runs(held):
+        moving = np.flatnonzero(steps[first:end] > _MOVES)
+        held[first : first + int(moving[0]) if len(moving) else end] = False
+    return held
 
 
 def _in_palm(poses: Array, palms: Array) -> Array:

@@ -114,12 +114,20 @@ def test_what_slips_in_the_hand_is_seen() -> None:
     assert found[-1] == pytest.approx(0.008)
 
 
-def test_a_door_may_swing_on_by_itself() -> None:
+def test_what_is_in_no_hand_may_go_where_it_likes() -> None:
     still = standing()
     way = along_x(still, 0.2)
     assert slips(holding(still, way, hand="")).max() == 0.0
-    reaching = wanting(still, np.zeros(3), first=0)
-    assert slips(holding(reaching, way, hand=""))[-1] == pytest.approx(0.2 * (FRAMES - 2) / RATE, rel=0.01)
+    assert slips(holding(still, way))[-1] == pytest.approx(0.2 * (FRAMES - 2) / RATE, rel=0.01)
+
+
+def test_what_stands_still_in_an_open_hand_is_not_in_it_yet() -> None:
+    gliding = moved(standing(), along_x(standing(), 0.2))
+    held = holding(gliding, np.zeros((FRAMES, 3)))
+    poses = held.things["cup"].poses.copy()
+    poses[:60] = poses[60]
+    taken = replace(held, things={"cup": replace(held.things["cup"], poses=poses)})
+    assert slips(taken).max() < 1e-9
 
 
 def test_a_thing_of_others_is_nobodys_slip() -> None:
