@@ -1,0 +1,107 @@
+"""Arms of who walks are drawn in where their swing would take a hand through a thing beside the way.
+
+A hand that hangs beside a counter comes up before the belly, as people do who pass or turn close by, and goes down
+again when there is room.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ahmss.algorithm.reaching import prisms_of
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.inverse import solve
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import align, from_matrix, multiply, rotate, slerp
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.edit import floor_frame
+from ahmss.reaching.prism import Prism, clearance
+
+__all__ = ["Tucking"]
+
+_SIDES = ("right", "left")
+_LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is drawn in, farther let down again
+_SEEN = 40  # frames that are looked ahead
+_LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
+_NONE = 1e-4  # so little an arm is not drawn in any more
+_NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
+_TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
+_STATURE = 1.72
+
+
+class Tucking:
+    """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone."""
+
+    def __init__(self, task: HumanTask) -> None:
+        self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
+        self._sides = [side for side in _SIDES if side not in task.busy]
+        self._prisms = prisms_of(task)
+        self._level = {side: np.zeros(3) for side in _SIDES}
+        self._wanted = dict.fromkeys(_SIDES, True)  # who sets out from beside a thing turns there
+        self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
+
+    def over(self, rows: Array) -> Array:
+        """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
+        root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
+        near = _about(self._prisms, root)
+        if not near and max(float(level.max()) for level in self._level.values()) < _NONE:
+            return rows
+        out = rotations.copy()
+        places, turned = forward(rotations, root, self._skeleton.offsets)
+        for side in self._sides:
+            gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
+            share = np.array(self._levels(side, gap))
+            arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
+            end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
+            out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
+        made = rows.copy()
+        made[:, 4:176] = out.reshape(-1, 172)
+        return made
+
+    def _levels(self, side: str, gap: Array) -> list[float]:
+        """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n)."""
+        levels: list[float] = []
+        for k in range(len(gap)):
+            coming = float(gap[k : k + _SEEN].min())
+            self._wanted[side] = coming < (_ENOUGH if self._wanted[side] else _LEAST)
+            level, wanted = self._level[side], float(self._wanted[side])
+            for i in range(len(level)):
+                level[i] += self._rate * (wanted - level[i])
+                wanted = float(level[i])
+            levels.append(wanted)
+        return levels
+
+
+def _points(skeleton: Skeleton, places: Array, turned: Array, side: str) -> Array:
+    """Points (n, 4, 3) of a forearm and hand: its middle, the wrist, the knuckles, the fingers' tips."""
+    forearm, hand, knuckle, tip = (
+        INDEX[f"{side}_{name}"] for name in ("lower_arm", "hand", "middle_proximal", "middle_distal")
+    )
+    end = places[:, tip] + rotate(turned[:, tip], skeleton.tips[tip])
+    middle = 0.5 * (places[:, forearm] + places[:, hand])
+    return np.stack([middle, places[:, hand], places[:, knuckle], end], axis=1)
+
+
+def _about(prisms: Sequence[Prism], root: Array) -> list[Prism]:
+    """The prisms that come within an arm's length of the hips (n, 3) on their way."""
+    low, high = root[:, :2].min(axis=0) - _NEAR, root[:, :2].max(axis=0) + _NEAR
+    return [p for p in prisms if (p.ring.max(axis=0) > low).all() and (p.ring.min(axis=0) < high).all()]
+
+
+def _tucked(skeleton: Skeleton) -> Array:
+    """A pose (43, 4) in which both hands are before the belly, palms towards it, fingers inwards."""
+    rotations, root = skeleton.upright()
+    place, turn = floor_frame(rotations, root)
+    targets = np.zeros((5, 8))
+    for row, sign in enumerate((-1.0, 1.0)):
+        at = _TUCKED * np.array([1.0, sign, 1.0]) * skeleton.stature / _STATURE
+        # Palm to the belly and a little down, the thumb up: x out of the palm, z to the thumb.
+        out = np.array([-0.8, 0.0, -0.6])
+        up = np.array([-0.6, 0.0, 0.8])
+        palm = from_matrix(np.stack([out, np.cross(up, out), up], axis=-1))
+        targets[row, :3], targets[row, 3:7], targets[row, 7] = place + rotate(turn, at), multiply(turn, palm), 1.0
+    return solve(skeleton, rotations, root, targets)
