@@ -35,9 +35,9 @@ ARM = 0.68  # metres from the hinge to the lever that they are for
 # open; by the side of the leaf, -1 before it and 1 where it opens to, and the hand. Found by a search for what both
 # shipped bodies do with the least bent wrist and the arm not stretched, clear of the leaf and the frame.
 STANDS = {
-    (-1, "right"): ((0.53, -0.46, 131.0), (0.53, 0.20, 165.0)),
+    (-1, "right"): ((0.47, -0.46, 128.0), (0.50, 0.20, 152.0)),
     (-1, "left"): ((1.00, -0.56, 41.0), (0.45, 0.05, 20.0)),
-    (1, "right"): ((0.84, 0.64, -43.0), (0.05, 1.09, -26.0)),
+    (1, "right"): ((0.84, 0.64, -43.0), (0.08, 1.25, -26.0)),
     (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0)),
 }
 TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even at half the way
@@ -46,7 +46,8 @@ COMES, CLOSES, OPENS, LEAVES = 0.95, 0.3, 0.25, 0.6  # seconds
 BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, and to which it goes back
 PITCH = np.radians(50.0)  # by which the palm looks down on the lever
 DIAMETER, INTO_FINGERS = 0.022, 0.01  # metres: of a lever that does not say; how far it lies towards the fingers
-OPENED = 0.6  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
+OPENED = 0.3  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
+AHEAD = 7  # frames by which the leaf goes before who pushes it, and behind who pulls it
 SOFT, PADDED, EDGE = 9.0, 60, 0.3  # frames by which the leaf's way is smoothed; shares of it that begin and end softly
 
 
@@ -136,7 +137,8 @@ class Taking:
         trip = Trip(task.human, task.library, Ground(), end.place, end.facing)
         rows = np.concatenate([rows_of(task, piece) for piece in trip.pieces(stance.rotations, stance.root)])
         n, begin = len(rows), door.stand(self.reacher.side, door.angle).place
-        share = _along(rows[:, 1:3], begin, end.place)
+        pushes = door.side * (door.wanted - door.angle) < 0.0
+        share = _along(rows[:, 1:3], begin, end.place, AHEAD if pushes else -AHEAD)
         palms = door.palms(self.palm, door.angle + share * (door.wanted - door.angle), np.zeros(n))
         return self._rows(rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n))
 
@@ -172,12 +174,15 @@ class Taking:
         return out
 
 
-def _along(places: Array, begin: Array, end: Array) -> Array:
-    """How far (n), 0 to 1, a body at places (n, 2) has come from one place to another: smoothly, and never back."""
+def _along(places: Array, begin: Array, end: Array, ahead: int) -> Array:
+    """How far (n), 0 to 1, a body at places (n, 2) has come from one place to another: smoothly, and never back.
+
+    `ahead`: by so many frames sooner.
+    """
     way = end - begin
     share = np.maximum.accumulate(np.clip((places - begin) @ way / (way @ way), 0.0, 1.0))
     padded = np.concatenate([np.full(PADDED, share[0]), share, np.full(PADDED, share[-1])])
-    soft = gaussian_filter1d(padded, SOFT)[PADDED:-PADDED]
+    soft = gaussian_filter1d(padded, SOFT)[PADDED + ahead : len(places) + PADDED + ahead]
     time = np.arange(1, len(soft) + 1) / len(soft)
     soft = soft * minimum_jerk(time / EDGE)
     return soft + (1.0 - soft) * minimum_jerk((time - 1.0 + EDGE) / EDGE)
