@@ -306,7 +306,8 @@ def doctor(as_json: Json = False) -> None:
 @app.command()
 def bench(
     what: Annotated[
-        list[str] | None, typer.Argument(help="start, compute, display, server, latency, body, cases; left out: all.")
+        list[str] | None,
+        typer.Argument(help="start, compute, display, server, latency, body, polygons, starts, shown; left out: all."),
     ] = None,
     as_json: Json = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="A table for the documentation.")] = False,
