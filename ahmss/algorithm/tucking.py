@@ -23,7 +23,7 @@ from ahmss.reaching.prism import Prism, clearance
 
 __all__ = ["Tucking"]
 
-_SIDES = ("right", "left")
+_SIDES: tuple[str, ...] = ("right", "left")
 _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is drawn in, farther let down again
 _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly

@@ -36,6 +36,7 @@ GOES, BORNE, LEANT, RISES = 0.08, 0.74, 0.54, 0.62
 BACK_FIRST = 1.35  # exponent: above 1 the hips go down before they go back
 ON_THIGH, OVER_THIGH, INWARD = 0.62, 0.062, np.radians(12.0)  # of the thigh; metres; of the resting hands
 HANDS = 0.35, 0.95  # shares of the time in which free hands go to the thighs
+GOES_ALONG = 0.4  # of the way that a shoulder leans ahead, a hand that holds something
 HELD_OVER, HELD_BEFORE = 0.27, 0.22  # metres over the seat, before the hips, of a hand that holds something, at least
 UPWARD, LEFTWARD = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 SIDES = ("right", "left")
@@ -149,7 +150,9 @@ def _hands(task: HumanTask, move: Move, begun: Stance, time: Array, rotations: A
         shoulder = INDEX[f"{side}_upper_arm"]
         if side in task.busy:
             out[:, row, 3:7] = was[row, 3:]
-            out[:, row, :3] = was[row, :3] + places[:, shoulder] - before[shoulder]
+            leant = (places[:, shoulder] - root) - (before[shoulder] - begun.root)
+            leant[:, :2] *= GOES_ALONG  # the hand is drawn in while the trunk leans, so that it meets no table
+            out[:, row, :3] = was[row, :3] + root - begun.root + leant
             out[:, row, :3] += _clear(move, out[:, row, :3], time)
             continue
         upper, lower = places[:, INDEX[f"{side}_upper_leg"]], places[:, INDEX[f"{side}_lower_leg"]]

@@ -129,7 +129,9 @@ def _tilted(lever: Lever, palm: Transform) -> Array:
 
 
 def _turned(task: HumanTask, lever: Lever, palm: Transform, into: Array) -> tuple[Array, Array]:
-    """Palms (n, 7) from before the lever to it, with it, off it, and back to where they came from, and how far the fingers are closed (n), 0 to 1."""
+    """Palms (n, 7) from before the lever to it, with it, off it, and back to where they came from; and how far the
+    fingers are closed (n), 0 to 1.
+    """
     counts = [round(seconds * task.rate) for seconds in (COMES, CLOSES, TURNS, OPENS, LEAVES, RETURNS)]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]

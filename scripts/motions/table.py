@@ -80,7 +80,7 @@ def drink(skeleton: Skeleton, scene: Scene) -> Clip:
         posture = replace(EASY, lean=lean, nod=nod, right_arm=arm)
         at_mouth = mouth_cup(scene, tilt)
         keys.append(Key(time, _drinking(skeleton, scene, posture, at_mouth), at_mouth.row()))
-    down = Transform(np.array([-0.125, 0.02, -0.32]), _upright_in_face(0.0))
+    down = Transform(np.array([-0.32, -0.03, -0.25]), _upright_in_face(0.0))  # the upper arm hangs
     keys.append(Key(1.0, _drinking(skeleton, scene, replace(EASY, right_arm=HOLDING), down), down.row()))
     return keyframes(skeleton, "face", CARRYING | {"head": 1.0}, *keys)
 
