@@ -75,6 +75,8 @@ def test_a_jump_is_seen_where_it_is() -> None:
     assert found.figures["pop"] == pytest.approx(40.0, abs=0.1)
     assert found.where["pop"] == found.where["acceleration"] == "left_lower_arm"
     assert found.worse == ["acceleration", "jerk", "pop"]
+    around = [measured(jumped, Span(k, k + 1)).figures["pop"] for k in (59, 60, 61)]
+    assert around == pytest.approx([20.0, 40.0, 20.0], abs=0.1)  # the step leads to frame 60
     assert measured(jumped, Span(0, 30)).worse == []
     assert measured(jumped, Span(90, FRAMES)).worse == []
     # an item that ends at the jump sees it too: nothing is left out at the ends of a part
@@ -112,6 +114,19 @@ def test_what_slips_in_the_hand_is_seen() -> None:
     found = slips(holding(gliding, slip))
     assert found[50] < 1e-9
     assert found[-1] == pytest.approx(0.008)
+
+
+def test_what_goes_along_with_a_hand_that_turns_does_not_slip() -> None:
+    still = standing()
+    rotations = still.rotations.copy()
+    turns = np.linspace(0.0, 1.0, FRAMES)[:, None] * np.array([0.3, 0.0, 1.2])
+    rotations[:, 0] = multiply(from_rotation_vector(turns), rotations[:, 0])
+    turning = replace(still, rotations=rotations)
+    palm = palms(turning)[:, 0]
+    beside = rotate(palm[:, 3:], np.array([0.05, 0.02, 0.1]))
+    assert np.ptp(beside, axis=0).max() > 0.05
+    assert slips(holding(turning, beside)).max() < 1e-9
+    assert slips(holding(turning, np.tile(beside[:1], (FRAMES, 1)))).max() > 0.05
 
 
 def test_what_is_in_no_hand_may_go_where_it_likes() -> None:
