@@ -23,7 +23,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import Cylinder, closed, opened
 from ahmss.motion.planting import feet
-from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.waist import bent_towards
 from ahmss.walking.goals import Goal
 from ahmss.walking.trip import Ground, Trip
@@ -35,7 +35,7 @@ ARM = 0.68  # metres from the hinge to the lever that they are for
 # open; by the side of the leaf, -1 before it and 1 where it opens to, and the hand. Found by a search for what both
 # shipped bodies do with the least bent wrist and the arm not stretched, clear of the leaf and the frame.
 STANDS = {
-    (-1, "right"): ((0.47, -0.46, 128.0), (0.50, 0.20, 152.0)),
+    (-1, "right"): ((0.47, -0.42, 125.0), (0.52, 0.12, 152.0)),
     (-1, "left"): ((1.00, -0.56, 41.0), (0.45, 0.05, 20.0)),
     (1, "right"): ((0.84, 0.64, -43.0), (0.08, 1.25, -26.0)),
     (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0)),
@@ -47,7 +47,10 @@ BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, 
 PITCH = np.radians(50.0)  # by which the palm looks down on the lever
 DIAMETER, INTO_FINGERS = 0.022, 0.01  # metres: of a lever that does not say; how far it lies towards the fingers
 OPENED = 0.3  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
-AHEAD = 7  # frames by which the leaf goes before who pushes it, and behind who pulls it
+LONGEST = 0.336  # of stature: a step backwards or aside that is made without turning about
+TRIED = 53  # angles that are looked at in a frame
+EASY, STRETCH = 0.86, 40.0  # share of the arm's length up to which it costs nothing, and what a whole one costs
+APART, TOUCH = 0.36, 60.0  # metres between the hips and the leaf that are kept, and what one too few costs
 SOFT, PADDED, EDGE = 9.0, 60, 0.3  # frames by which the leaf's way is smoothed; shares of it that begin and end softly
 
 
@@ -56,7 +59,7 @@ class Door:
     """A door, and from which side it is taken.
 
     closed: its frame when it is closed. angle, wanted: radians, now and then. side: on which one is, -1 or 1. lever:
-    (3,) on that side, in the leaf's frame.
+    (3,) on that side, in the leaf's frame. width: of the leaf, metres.
     """
 
     name: str
@@ -65,6 +68,7 @@ class Door:
     wanted: float
     side: int
     lever: Array
+    width: float
 
     def stand(self, hand: str, angle: float) -> Goal:
         """Where one stands to have the lever in that hand at an angle."""
@@ -133,14 +137,51 @@ class Taking:
         """Frames (n, 260) of the steps along with the leaf."""
         task, door = self.task, self.door
         assert task.library is not None
-        end = door.stand(self.reacher.side, door.wanted)
-        trip = Trip(task.human, task.library, Ground(), end.place, end.facing)
-        rows = np.concatenate([rows_of(task, piece) for piece in trip.pieces(stance.rotations, stance.root)])
-        n, begin = len(rows), door.stand(self.reacher.side, door.angle).place
-        pushes = door.side * (door.wanted - door.angle) < 0.0
-        share = _along(rows[:, 1:3], begin, end.place, AHEAD if pushes else -AHEAD)
-        palms = door.palms(self.palm, door.angle + share * (door.wanted - door.angle), np.zeros(n))
+        places = self._places()
+        made: list[Array] = []
+        for place in places[1:]:
+            trip = Trip(task.human, task.library, Ground(), place.place, place.facing)
+            made += [rows_of(task, piece) for piece in trip.pieces(stance.rotations, stance.root)]
+            stance = Stance(made[-1][-1, 4:176].reshape(43, 4), made[-1][-1, 1:4])
+        rows = np.concatenate(made)
+        begin, end = places[0], places[-1]
+        n = len(rows)
+        angle = door.angle + self._shares(rows, begin.place, end.place) * (door.wanted - door.angle)
+        palms = door.palms(self.palm, angle, np.zeros(n))
         return self._rows(rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n))
+
+    def _places(self) -> list[Goal]:
+        """From where one stands to where one stands then, by places so near to each other that nobody turns to walk."""
+        door, hand = self.door, self.reacher.side
+        far = float(np.linalg.norm(door.stand(hand, door.wanted).place - door.stand(hand, door.angle).place))
+        legs = max(int(np.ceil(far / (LONGEST * self.task.human.stature))), 1)
+        return [door.stand(hand, angle) for angle in np.linspace(door.angle, door.wanted, legs + 1)]
+
+    def _shares(self, rows: Array, begin: Array, end: Array) -> Array:
+        """How much of its way (n) the leaf has gone in frames (n, 260) of the steps from one place to another.
+
+        As much as the steps, but where that would stretch the arm or bring the leaf onto the body.
+        """
+        door, skeleton = self.door, self.task.human
+        rotations, root = rows[:, 4:176].reshape(-1, 43, 4), rows[:, 1:4]
+        way = end - begin
+        as_steps = np.maximum.accumulate(np.clip((root[:, :2] - begin) @ way / (way @ way), 0.0, 1.0))
+        tried = np.linspace(0.0, 1.0, TRIED)
+        angle = door.angle + tried * (door.wanted - door.angle)
+        wrist, _ = self.reacher.hand(door.palms(self.palm, angle, np.zeros(TRIED)))
+        shoulder = self.reacher.shoulder(seat(skeleton, rotations, root))
+        stretched = np.linalg.norm(shoulder[:, None] - wrist, axis=-1) / self.reacher.length
+        place = door.closed.inverse().apply(root)[:, None, :2]
+        leaf = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        along = np.clip((place * leaf).sum(axis=-1), 0.0, door.width)
+        apart = np.linalg.norm(place - along[..., None] * leaf, axis=-1)
+        # The leaf does not pass the body: who pulls it has it come towards them, who pushes it is behind it.
+        touch = TOUCH * np.maximum(APART - apart, 0.0) ** 2
+        pulls = door.side * (door.wanted - door.angle) > 0.0
+        touch = np.maximum.accumulate(touch if pulls else touch[:, ::-1], axis=1)
+        cost = (tried - as_steps[:, None]) ** 2 + STRETCH * np.maximum(stretched - EASY, 0.0) ** 2
+        cost += touch if pulls else touch[:, ::-1]
+        return _softly(np.maximum.accumulate(tried[cost.argmin(axis=1)]))
 
     def leaves(self, stance: Stance) -> Array:
         """Frames (n, 260) in which the hand opens, comes off the lever, and hangs again."""
@@ -174,15 +215,10 @@ class Taking:
         return out
 
 
-def _along(places: Array, begin: Array, end: Array, ahead: int) -> Array:
-    """How far (n), 0 to 1, a body at places (n, 2) has come from one place to another: smoothly, and never back.
-
-    `ahead`: by so many frames sooner.
-    """
-    way = end - begin
-    share = np.maximum.accumulate(np.clip((places - begin) @ way / (way @ way), 0.0, 1.0))
+def _softly(share: Array) -> Array:
+    """A way (n) from 0 to 1 that begins and ends softly, and changes so in between."""
     padded = np.concatenate([np.full(PADDED, share[0]), share, np.full(PADDED, share[-1])])
-    soft = gaussian_filter1d(padded, SOFT)[PADDED + ahead : len(places) + PADDED + ahead]
+    soft = gaussian_filter1d(padded, SOFT)[PADDED:-PADDED]
     time = np.arange(1, len(soft) + 1) / len(soft)
     soft = soft * minimum_jerk(time / EDGE)
     return soft + (1.0 - soft) * minimum_jerk((time - 1.0 + EDGE) / EDGE)
@@ -212,8 +248,10 @@ def _door(task: HumanTask) -> Door:
     closed = Transform(thing.place.copy(), multiply(thing.rotation, from_axis_angle(UPWARD, -angle)))
     side = 1 if closed.inverse().apply(task.start.root)[1] > 0.0 else -1
     names = [name for name in (task.message.site, f"{task.message.site}_back") if name in thing.sites]
+    size = thing.properties.get("size")
+    width = float(size[0]) if isinstance(size, (list, tuple)) else float(thing.sites[names[0]].position[0])
     site = thing.sites[max(names, key=lambda name: side * thing.sites[name].position[1])]
-    return Door(thing.name, closed, angle, task.parameter("to", 0.0), side, np.array(site.position))
+    return Door(thing.name, closed, angle, task.parameter("to", 0.0), side, np.array(site.position), width)
 
 
 def _hand(task: HumanTask) -> str:

@@ -1,0 +1,150 @@
+"""sit: down onto a chair wherever it stands, and up again, also with something in a hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
+from ahmss.errors import AlgorithmError
+from ahmss.motion.contact import foot_points
+from ahmss.reaching.standing import centre_of_mass
+
+from .reached import outlined
+from .scene import Body, program
+from .solids import LEGS, SEAT, deepest
+
+CHAIR = "room/chair"
+UP = np.array([0.0, 0.0, 1.0])
+STAND = np.array([0.35, 0.0, 0.0])
+
+
+def chair(seed: int) -> Transform:
+    """A chair anywhere, turned by any angle."""
+    random = np.random.default_rng(seed)
+    return Transform(
+        np.append(random.uniform(-3.0, 3.0, 2), 0.0), from_axis_angle(UP, float(random.uniform(-np.pi, np.pi)))
+    )
+
+
+def at(name: str, frame: Transform, place: Array = STAND, turned: float = 0.0) -> Body:
+    """A human who stands at a place of the chair, looking where a sitter looks, or turned by degrees."""
+    x, y, _ = frame.apply(place).tolist()
+    heading = np.degrees(2.0 * np.arctan2(frame.rotation[3], frame.rotation[0]))
+    return Body(name, x, y, float(heading + turned))
+
+
+def does(body: Body, action: str, frame: Transform, **given: Any) -> list[HumanPose]:
+    start = body.start(CHAIR, action, frame=frame, hand="", **given)
+    return body.do("sit", msgspec.structs.replace(start, object=outlined(start.object, 3)))  # type: ignore[arg-type]
+
+
+def holding(body: Body, lower: float = 0.0) -> None:
+    """Bend the right arm as one does who holds a cup, or let it hang."""
+    left = np.array([0.0, 1.0, 0.0])
+    body.rotations[4] = multiply(body.rotations[4], from_axis_angle(left, -1.4 + lower))
+
+
+def arrays(shown: list[HumanPose]) -> tuple[Array, Array]:
+    return np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_one_sits_on_the_seat_and_no_deeper_than_cloth_gives(seed: int) -> None:
+    name, frame = ("ken", "aiko")[seed % 2], chair(seed)
+    body = at(name, frame)
+    down = does(body, "sit", frame)
+    ahead, aside, height = frame.inverse().apply(body.root).tolist()
+    assert abs(ahead + 0.055) < 0.005
+    assert abs(aside) < 0.005
+    assert 0.10 < height - 0.43 < 0.13
+    up = does(body, "stand_up", frame)
+    depths = [deepest(name, pose, frame, (*SEAT, *LEGS))[0] for pose in [*down[::9], down[-1], *up[::9]]]
+    assert -0.01 < max(depths) < 0.010
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_feet_stay_and_the_weight_is_over_them_until_the_seat_is_near(name: str) -> None:
+    frame = chair(7)
+    body = at(name, frame)
+    planted = foot_points(body.skeleton, body.rotations[None], body.root[None])[0]
+    for action in ("sit", "stand_up"):
+        rotations, root = arrays(does(body, action, frame))
+        points = foot_points(body.skeleton, rotations, root)
+        assert np.abs(points - planted).max() < 1e-3
+        centre = frame.inverse().apply(centre_of_mass(body.skeleton, rotations, root))
+        heel = frame.inverse().apply(planted.reshape(-1, 3))[:, 0].min()
+        high = root[:, 2] > 0.43 + 0.30  # the hips are 18 cm over where they come to
+        assert high.sum() > 40
+        assert (centre[high, 0] - heel).min() > 0.03
+        assert np.linalg.norm(np.diff(root, axis=0), axis=1).max() * 60.0 < 1.0
+
+
+def test_the_trunk_leans_before_the_knees_bend_far() -> None:
+    frame = chair(1)
+    body = at("ken", frame)
+    rotations, root = arrays(does(body, "sit", frame))
+    trunk = rotate(multiply(rotations[:, 0], rotations[:, 1]), np.array([1.0, 0.0, 0.0]))
+    lean = np.degrees(np.arccos(np.clip(trunk[:, 2], -1.0, 1.0)))
+    quarter = int(np.argmax(root[:, 2] < root[0, 2] - 0.25 * (root[0, 2] - root[-1, 2])))
+    assert lean[quarter] > 25.0
+    assert 35.0 < lean.max() < 50.0
+    assert lean[-1] < 8.0
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("lower", [0.0, 1.4])
+def test_a_hand_that_holds_something_keeps_it_upright_and_clear_of_the_chair(name: str, lower: float) -> None:
+    frame = chair(3)
+    body = at(name, frame)
+    holding(body, lower)
+    before = body.grip().rotation
+    for action in ("sit", "stand_up"):
+        shown = does(body, action, frame, busy=["right"])
+        rotations, root = arrays(shown)
+        palms = grips(body.skeleton, rotations, root)[:, 0]
+        tipped = to_rotation_vector(multiply(conjugate(before), palms[:, 3:]))
+        assert np.degrees(np.linalg.norm(tipped, axis=-1)).max() < 2.0
+        assert np.linalg.norm(np.diff(palms[:, :3], axis=0), axis=1).max() * 60.0 < 1.3
+        assert all(pose.targets[0, 7] == 1.0 for pose in shown)
+        assert max(deepest(name, pose, frame, (*SEAT, *LEGS))[0] for pose in shown[::10]) < 0.010
+        if action == "sit":
+            assert palms[-1, 2] > 0.43 + 0.2
+
+
+def test_who_stands_a_step_aside_goes_there_first() -> None:
+    frame = chair(4)
+    body = at("aiko", frame, STAND + np.array([0.45, 0.35, 0.0]), turned=60.0)
+    does(body, "sit", frame)
+    assert np.linalg.norm(frame.inverse().apply(body.root)[:2] - [-0.055, 0.0]) < 0.01
+
+
+def test_who_is_far_is_told_to_walk_there_first() -> None:
+    frame = chair(5)
+    body = at("ken", frame, STAND + np.array([1.6, 0.0, 0.0]))
+    with pytest.raises(AlgorithmError, match=r"room/chair is 1\.6 m from here; walk to room/chair first"):
+        does(body, "sit", frame)
+
+
+def test_who_sits_does_not_sit_down_and_who_stands_does_not_stand_up() -> None:
+    frame = chair(6)
+    body = at("ken", frame)
+    with pytest.raises(AlgorithmError, match="one must sit on room/chair to stand up from it"):
+        does(body, "stand_up", frame)
+    does(body, "sit", frame)
+    with pytest.raises(AlgorithmError, match="one must stand to sit down"):
+        does(body, "sit", frame)
+
+
+@pytest.mark.parametrize("length", [90, 200])
+def test_it_has_as_many_frames_as_asked_for(length: int) -> None:
+    frame = chair(2)
+    body = at("ken", frame)
+    start = body.start(CHAIR, "sit", frame=frame, hand="", frames=length)
+    assert len(list(frames(program("sit"), start))) == length
