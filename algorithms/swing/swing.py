@@ -100,9 +100,9 @@ def swing(task: HumanTask) -> Iterator[Array]:
     stance = yield from stepped(task, before, ground_of(task), near=NEAR, most=MOST, to=door.name)
     hand = Taking(task, door, side)
     yield hand.comes(stance)
-    walked = hand.goes(stance)
-    yield walked
-    yield hand.leaves(Stance(walked[-1, 4:176].reshape(43, 4), walked[-1, 1:4]))
+    rows, stance = hand.goes(stance)
+    yield rows
+    yield hand.leaves(stance)
 
 
 class Taking:
@@ -133,8 +133,8 @@ class Taking:
         )
         return self._rows(_standing(self.task, stance, n), palms, shape, way)
 
-    def goes(self, stance: Stance) -> Array:
-        """Frames (n, 260) of the steps along with the leaf."""
+    def goes(self, stance: Stance) -> tuple[Array, Stance]:
+        """Frames (n, 260) of the steps along with the leaf, and how one then stands, the arm hanging."""
         task, door = self.task, self.door
         assert task.library is not None
         places = self._places()
@@ -148,7 +148,7 @@ class Taking:
         n = len(rows)
         angle = door.angle + self._shares(rows, begin.place, end.place) * (door.wanted - door.angle)
         palms = door.palms(self.palm, angle, np.zeros(n))
-        return self._rows(rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n))
+        return self._rows(rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n)), stance
 
     def _places(self) -> list[Goal]:
         """From where one stands to where one stands then, by places so near to each other that nobody turns to walk."""
@@ -189,7 +189,7 @@ class Taking:
         n = len(opens) + len(leaves)
         away = minimum_jerk(np.concatenate([np.zeros(len(opens)), leaves]))
         on = self.door.palms(self.palm, np.full(n, self.door.wanted), BACK * minimum_jerk(2.0 * away))
-        hangs = _hanging(self.task, self.reacher, stance)
+        hangs = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
         places = on[:, :3] + away[:, None] * (hangs[:3] - on[:, :3])
         palms = np.concatenate([places, slerp(on[:, 3:], hangs[3:], away)], axis=1)
         open_by = minimum_jerk(np.concatenate([opens, np.ones(len(leaves))]))
@@ -228,16 +228,6 @@ def _time(task: HumanTask, seconds: float) -> Array:
     """Shares of a time, frame by frame (n), the last is 1."""
     n = round(seconds * task.rate)
     return np.arange(1, n + 1) / n
-
-
-def _hanging(task: HumanTask, reacher: Reacher, stance: Stance) -> Array:
-    """The palm (7,) of the arm hanging as it does when one begins to walk."""
-    assert task.library is not None
-    clip = next(clip for key, clip in task.library.clips.items() if key.kind == "start")
-    rotations = stance.rotations.copy()
-    rotations[reacher.links] = clip.rotations[0][reacher.links]
-    rotations[INDEX["spine"]] = clip.rotations[0][INDEX["spine"]]
-    return grips(task.human, rotations, stance.root)[reacher.row]
 
 
 def _door(task: HumanTask) -> Door:

@@ -1,0 +1,137 @@
+"""swing, with the door that it moves: opened wide and shut, pushed and pulled, with either hand, wherever it hangs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.errors import AlgorithmError
+from ahmss.motion.quality import worst_pop
+
+from .reached import outlined
+from .scene import DOOR, Body, program
+from .solids import JAMBS, LEAF, deepest
+
+UP = np.array([0.0, 0.0, 1.0])
+WIDE = 1.3
+PASSES = 0.55  # metres that a human needs
+BEFORE, BEHIND = np.array([0.5, -0.6, 0.0]), np.array([0.7, 0.9, 0.0])  # in the closed door's frame, either side
+HANGS = Transform(np.array([0.4, 0.0, 0.005]), from_axis_angle(UP, np.pi))  # in the doorway's
+
+
+@dataclass
+class Swung:
+    """A human at a door: the frames shown, and the door's frame when closed, its angle at each of them."""
+
+    name: str
+    body: Body
+    closed: Transform
+    shown: list[HumanPose]
+    angle: Array
+
+    def leaf(self, frame: int) -> Transform:
+        return self.closed.then(Transform(np.zeros(3), from_axis_angle(UP, float(self.angle[frame]))))
+
+
+def closed_door(seed: int) -> Transform:
+    random = np.random.default_rng(seed)
+    place = np.append(random.uniform(-3.0, 3.0, 2), 0.005)
+    return Transform(place, from_axis_angle(UP, float(random.uniform(-np.pi, np.pi))))
+
+
+def swung(
+    name: str, action: str, at: Array, facing: float, seed: int = 0, *, busy: tuple[str, ...] = (), angle: float = -1.0
+) -> Swung:
+    """Who stands at a place of the closed door's frame and faces so many degrees of it opens or closes it."""
+    closed, angle = closed_door(seed), angle if angle >= 0.0 else (0.0 if action == "open" else WIDE)
+    x, y, _ = closed.apply(at).tolist()
+    heading = 2.0 * np.arctan2(closed.rotation[3], closed.rotation[0])
+    body = Body(name, x, y, float(np.degrees(heading) + facing))
+    leaf = Transform(closed.place, multiply(closed.rotation, from_axis_angle(UP, angle)))
+    given: dict[str, Any] = {"frame": leaf, "states": {"angle": angle}, "hand": "", "busy": list(busy)}
+    start = body.start(DOOR, action, **given)
+    before = start.pose
+    shown = body.do("swing", msgspec.structs.replace(start, object=outlined(start.object, 3)))  # type: ignore[arg-type]
+    moves = body.start(DOOR, action, kind="object", **given, parameters={"closed_hand": 110.0})
+    moves = msgspec.structs.replace(moves, pose=before)
+    poses = list(frames(program("door"), moves, body.rows(shown)))
+    ahead = np.array([rotate(pose.rotation, np.array([1.0, 0.0, 0.0])) for pose in poses])
+    own = closed.inverse().apply(closed.place + ahead)
+    return Swung(name, body, closed, shown, np.arctan2(own[:, 1], own[:, 0]))
+
+
+CASES = [("open", BEFORE, 90.0), ("open", BEHIND, -90.0), ("close", BEFORE, 90.0), ("close", BEHIND, -120.0)]
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+def test_it_swings_wide_enough_to_pass_or_shut_and_nothing_goes_through_leaf_or_frame(
+    name: str, action: str, at: Array, facing: float
+) -> None:
+    made = swung(name, action, at, facing, seed=len(action))
+    end = float(made.angle[-1])
+    if action == "open":
+        assert 0.8 * np.sin(end) - 0.11 > PASSES  # less a lever and half the leaf
+    else:
+        assert abs(end) < np.radians(2.0)
+    doorway = made.closed.then(HANGS.inverse())
+    depths = [
+        max(deepest(name, pose, made.leaf(k), LEAF), deepest(name, pose, doorway, JAMBS))
+        for k, pose in [*enumerate(made.shown)][::12]
+    ]
+    assert max(depths)[0] < 0.006, max(depths)
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+def test_the_hand_is_on_the_lever_while_the_leaf_turns_softly(name: str, action: str, at: Array, facing: float) -> None:
+    made = swung(name, action, at, facing, seed=3)
+    turns = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4)
+    lever = np.array([0.68, -0.075 if at is BEFORE else 0.075, 1.02])
+    rotations, root = np.array([pose.rotations for pose in made.shown]), np.array([pose.root for pose in made.shown])
+    palms = grips(made.body.skeleton, rotations, root)
+    apart = [
+        np.linalg.norm(made.leaf(int(k)).apply(lever) - palms[k, :, :3], axis=-1).min() for k in (turns + 1).tolist()
+    ]
+    assert len(turns) > 60
+    assert max(apart) < 0.02
+    assert np.degrees(np.abs(np.diff(made.angle, n=2)).max()) < 0.12
+    bent = np.degrees(2.0 * np.arccos(np.clip(np.abs(rotations[:, INDEX["spine"], 0]), 0.0, 1.0)))
+    assert bent.max() < 20.0
+    assert worst_pop(rotations[1:]).degrees < 5.0
+
+
+@pytest.mark.parametrize("busy", ["right", "left"])
+@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+def test_the_free_hand_does_it(busy: str, action: str, at: Array, facing: float) -> None:
+    made = swung("ken", action, at, facing, seed=9, busy=(busy,))
+    assert abs(made.angle[-1] - (WIDE if action == "open" else 0.0)) < np.radians(3.0)
+    links = [INDEX[f"{busy}_{part}"] for part in ("upper_arm", "lower_arm", "hand")]
+    assert all((pose.importance[links] == 0.0).all() for pose in made.shown)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_it_is_done_from_a_step_or_two_elsewhere(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    at = BEFORE + np.append(random.uniform((-0.5, -0.8), (0.3, 0.1)), 0.0)
+    made = swung("aiko", "open", at, float(random.uniform(0.0, 180.0)), seed)
+    assert made.angle[-1] > WIDE - np.radians(3.0)
+
+
+def test_a_leaf_left_half_way_is_swung_on() -> None:
+    made = swung("ken", "close", BEFORE, 90.0, angle=0.7)
+    assert abs(made.angle[-1]) < np.radians(2.0)
+
+
+def test_who_is_far_is_told_to_walk_there_first() -> None:
+    with pytest.raises(AlgorithmError, match=r"door is \d\.\d m from here; walk to room/doorway/door first"):
+        swung("ken", "open", np.array([0.5, -3.5, 0.0]), 90.0)
