@@ -139,7 +139,8 @@ class _Cutter:
             yield self._unused("a start that the recording breaks off")
             return
         first = self._stands_before()
-        angle = self._way(1) if count > 3 else self._way(0)
+        over = self._turned_in(count)
+        angle = self._way(over) if count > 3 else self._way(0)
         direction = _wrapped(angle - self._headings[first])
         d, _, mirrored = bins(direction, 0.0)
         lead = self._foot[0]
@@ -147,12 +148,19 @@ class _Cutter:
             mirrored = lead == 0
         if lead == (1 if mirrored else 0):
             what = f"a start to {direction:.0f} degrees led by the {_SIDES[lead]} foot, that of the other side"
-            yield Unused(self._recording.file, first, self._land[1], what)
+            yield Unused(self._recording.file, first, self._land[over], what)
         elif self._apart(first):
-            yield Unused(self._recording.file, first, self._land[1], "a start with one foot ahead")
+            yield Unused(self._recording.file, first, self._land[over], "a start with one foot ahead")
         else:
-            for last in self._landed(1):
+            for last in self._landed(over):
                 yield self._cut(Key("start", d), first, last, angle, mirrored, direction)
+
+    def _turned_in(self, count: int) -> int:
+        """The landing at which a start is over: the second; the fourth, where one turns on the spot before."""
+        for i in (1, 3):
+            if count > i + 2 and abs(_wrapped(self._headings[self._land[i]] - self._way(i))) < _ASIDE:
+                return i
+        return 1
 
     def _straights(self, count: int) -> Iterator[Cut]:
         lowest = 2 if self._walk.before else 1

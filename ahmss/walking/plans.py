@@ -22,6 +22,8 @@ __all__ = ["Planner", "Take"]
 _FIRST_LIFT = 0.56  # seconds from the beginning until the first foot leaves the ground
 _AFTER = 0.52  # seconds after the last has landed
 _ASIDE, _BACK = 0.62, 0.60  # a step aside and back, of one ahead
+_FAR = np.radians(105.0)  # of a turn into a way: from there on some of it is made on the spot
+_BEFORE, _ROOM = 0.4, 0.15  # what of it that is, and the share of a step that feet need to pass each other
 _RUN = 5  # straight steps before what is cut out, and after it
 
 
@@ -89,7 +91,7 @@ class Planner:
     def _start(self, direction: float) -> Take:
         placed = self._begun(direction)
         plan = self._timed([*placed, *self._run(placed, _RUN, direction)])
-        return Take(plan, 0.0, plan.steps[1].land, direction)
+        return Take(plan, 0.0, plan.steps[len(placed) - 1].land, direction)
 
     def _end(self, facing: float, small: bool, last: int) -> Take:
         placed = self._begun(0.0)
@@ -117,15 +119,23 @@ class Planner:
     # Footsteps
 
     def _begun(self, direction: float) -> list[Placed]:
-        """The first two steps, left and right, turning into the way."""
-        share = abs(direction) / np.pi
-        middle = 0.5 * direction
+        """The first two steps, left and right, turning into the way; some of a far turn is made on the spot before."""
+        turning: list[Placed] = []
+        since = 0.0
+        if abs(direction) > _FAR:
+            since = _BEFORE * direction
+            aside, way = _ROOM * self.step, 0.5 * direction
+            turned = Frame(float(aside * np.cos(way)), float(aside * np.sin(way)), since)
+            turning = footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), turned, 2, LEFT)
+        share = abs(direction - since) / np.pi
+        middle = 0.5 * (since + direction)
         s1 = 0.88 * (1.0 - 0.6 * share) * self.step
         s2 = s1 + (1.0 - 0.3 * share) * self.step
         cos, sin = np.cos(direction), np.sin(direction)
         first = Frame(s1 * cos, s1 * sin, middle).then(self._feet.own[0].x * np.cos(middle - direction), self._half)
         second = Frame(s2 * cos, s2 * sin, direction).then(self._feet.own[0].x, -self._half)
         return [
+            *turning,
             Placed(LEFT, replace(first, heading=middle + self._out), middle),
             Placed(RIGHT, replace(second, heading=direction - self._out), direction),
         ]

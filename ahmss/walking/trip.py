@@ -154,7 +154,8 @@ class Trip:
         """Say so where the frames asked for are none that people walk in."""
         if self.frames and not going.fewest <= self.frames <= going.most:
             few, course = self.frames < going.fewest, going.line.course
-            what = "a turn on the spot" if course.length < SPOT else f"{course.length:.1f} m"
+            way = f"{course.length:.1f} m" if course.length >= 1.0 else f"{100.0 * course.length:.0f} cm"
+            what = "a turn on the spot" if course.length < SPOT else way
             self.note(
                 f"{self.frames} frames are too {'few' if few else 'many'} for {what}; "
                 f"it takes {going.fewest if few else going.most}"
