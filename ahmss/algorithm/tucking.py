@@ -25,8 +25,10 @@ __all__ = ["Tucking"]
 
 _SIDES: tuple[str, ...] = ("right", "left")
 _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is drawn in, farther let down again
+_BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing turns there, and is careful for so long
 _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
+_CARES = 3.0  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _NONE = 1e-4  # so little an arm is not drawn in any more
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
@@ -41,33 +43,39 @@ class Tucking:
         self._sides = [side for side in _SIDES if side not in task.busy]
         self._prisms = prisms_of(task)
         self._level = {side: np.zeros(3) for side in _SIDES}
-        self._wanted = dict.fromkeys(_SIDES, True)  # who sets out from beside a thing turns there
+        self._wanted = dict.fromkeys(_SIDES, True)
+        self._frames = 0
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
         root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
+        begun, self._frames = self._frames, self._frames + len(rows)
         near = _about(self._prisms, root)
         if not near and max(float(level.max()) for level in self._level.values()) < _NONE:
             return rows
-        out = rotations.copy()
+        made, out = rows.copy(), rotations.copy()
         places, turned = forward(rotations, root, self._skeleton.offsets)
         for side in self._sides:
             gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
-            share = np.array(self._levels(side, gap))
+            share = np.array(self._levels(side, gap, begun))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
             end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
+            made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
             out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
-        made = rows.copy()
         made[:, 4:176] = out.reshape(-1, 172)
         return made
 
-    def _levels(self, side: str, gap: Array) -> list[float]:
-        """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n)."""
+    def _levels(self, side: str, gap: Array, begun: int) -> list[float]:
+        """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n).
+
+        begun: frames of the walk before these.
+        """
         levels: list[float] = []
         for k in range(len(gap)):
             coming = float(gap[k : k + _SEEN].min())
-            self._wanted[side] = coming < (_ENOUGH if self._wanted[side] else _LEAST)
+            enough = _BESIDE if begun + k < _FIRST else _ENOUGH
+            self._wanted[side] = coming < (enough if self._wanted[side] else _LEAST)
             level, wanted = self._level[side], float(self._wanted[side])
             for i in range(len(level)):
                 level[i] += self._rate * (wanted - level[i])

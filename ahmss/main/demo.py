@@ -1,4 +1,4 @@
-"""`ahmss demo`: the table scenario with every kind of process, and a film of it."""
+"""`ahmss demo`: the thesis's scenario with every kind of process, filmed while it is played."""
 
 from __future__ import annotations
 
@@ -19,9 +19,11 @@ from ahmss.world.process import ServerProcess
 
 __all__ = ["has_display", "run_demo"]
 
-_SCRIPT = Path("examples") / "table.txt"
-_LIVE_SIZE = "640x480"
-_FILM_SIZE = (960, 540)
+_SCRIPT = Path("examples") / "scenario.txt"
+_FILM_SIZE, _SHEET_SIZE = "640x360", "480x270"
+_EVERY = 90  # frames between two pictures of the sheet
+# From the corner where the room has no walls, all of it to be seen from door to chair.
+_CAMERA = ("--position", "-2.2", "3.5", "2.9", "--look-at", "1.1", "0.25", "0.75")
 _VIEWER_ENDS_S = 20.0
 
 
@@ -38,18 +40,19 @@ def run_demo(out: Path, workspace: Path | None, *, window: bool, say: Callable[[
     """
     root = Workspace.find(workspace).root
     out.mkdir(parents=True, exist_ok=True)
-    recording = out / "table.rec"
-    say(f"playing {_SCRIPT} in real time: server, main, algorithms and a viewer without a window")
-    report, live = _play(root / _SCRIPT, root, recording)
+    recording, film, sheet = (out / f"{_SCRIPT.stem}{ending}" for ending in (".rec", ".mp4", ".png"))
+    say(f"playing {_SCRIPT} in real time: server, main, algorithms and a viewer without a window, which films it")
+    report, live = _play(root / _SCRIPT, root, recording, film)
     say(str(report))
     say(_live_line(live))
     failures = report.failures
-    film, sheet = out / "table.mp4", out / "table.png"
-    say("drawing every frame of the recording")
+    if "error" in live:
+        failures += 1
+    say("drawing the contact sheet")
     try:
-        _draw(recording, film, sheet)
+        _draw(recording, sheet)
     except DependencyError as error:
-        say(f"no film: {error}")
+        say(f"no sheet: {error}")
         failures += 1
     for path in (recording, film, sheet):
         if path.is_file():
@@ -61,11 +64,11 @@ def run_demo(out: Path, workspace: Path | None, *, window: bool, say: Callable[[
     return failures
 
 
-def _play(script: Path, root: Path, recording: Path) -> tuple[PlayReport, dict[str, Any]]:
-    """Play the script in real time, a viewer without a window watching; both reports."""
+def _play(script: Path, root: Path, recording: Path, film: Path) -> tuple[PlayReport, dict[str, Any]]:
+    """Play the script in real time, a viewer without a window filming it; both reports."""
     names = [human.name for human in read_script(script).humans]
     with ServerProcess(lockstep=names, recording=recording) as server:
-        viewer = _watch(server.address)
+        viewer = _watch(server.address, film)
         try:
             report = play_script(script, PlaySetup(server=server.address, workspace=root, stay=True, waits=True))
         finally:
@@ -73,8 +76,9 @@ def _play(script: Path, root: Path, recording: Path) -> tuple[PlayReport, dict[s
     return report, live
 
 
-def _watch(address: str) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "ahmss", "view", "--server", address, "--headless", "--json", "--size", _LIVE_SIZE]
+def _watch(address: str, film: Path) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "ahmss", "view", "--server", address, "--json", "--size", _FILM_SIZE, *_CAMERA]
+    command += ["--record", str(film)]
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
@@ -103,11 +107,10 @@ def _live_line(live: dict[str, Any]) -> str:
     )
 
 
-def _draw(recording: Path, film: Path, sheet: Path) -> None:
-    """Draw the film and the sheet; in a process of its own, for OpenGL is bound once."""
-    size = f"{_FILM_SIZE[0]}x{_FILM_SIZE[1]}"
-    command = [sys.executable, "-m", "ahmss", "view", str(recording), "--size", size]
-    command += ["--record", str(film), "--sheet", str(sheet), "--json"]
+def _draw(recording: Path, sheet: Path) -> None:
+    """Draw the sheet; in a process of its own, for OpenGL is bound once."""
+    command = [sys.executable, "-m", "ahmss", "view", str(recording), "--size", _SHEET_SIZE, *_CAMERA]
+    command += ["--sheet", str(sheet), "--every", str(_EVERY), "--json"]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=False)
     if done.returncode:
         try:
