@@ -16,7 +16,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import align, from_matrix, multiply, rotate, slerp
+from ahmss.body.quaternion import align, conjugate, from_matrix, multiply, rotate, slerp, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.edit import floor_frame
 from ahmss.reaching.prism import Prism, clearance
@@ -24,11 +24,13 @@ from ahmss.reaching.prism import Prism, clearance
 __all__ = ["Tucking"]
 
 _SIDES: tuple[str, ...] = ("right", "left")
+_ARM = ("upper_arm", "lower_arm")
 _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is drawn in, farther let down again
 _BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing turns there, and is careful for so long
 _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
-_CARES = 3.0  # an arm's importance when it is drawn in: more than that of what else moves it by the way
+_OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
+_CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _NONE = 1e-4  # so little an arm is not drawn in any more
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
@@ -39,6 +41,7 @@ class Tucking:
     """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone."""
 
     def __init__(self, task: HumanTask) -> None:
+        self._task, self._given = task, np.zeros((0, 4))
         self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
         self._sides = [side for side in _SIDES if side not in task.busy]
         self._prisms = prisms_of(task)
@@ -50,6 +53,8 @@ class Tucking:
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
         root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
+        others = self._others()
+        self._given = rows[-1, 4:176].reshape(43, 4)
         begun, self._frames = self._frames, self._frames + len(rows)
         near = _about(self._prisms, root)
         if not near and max(float(level.max()) for level in self._level.values()) < _NONE:
@@ -57,6 +62,9 @@ class Tucking:
         made, out = rows.copy(), rotations.copy()
         places, turned = forward(rotations, root, self._skeleton.offsets)
         for side in self._sides:
+            if side in others:
+                self._level[side][:] = 0.0
+                continue
             gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
             share = np.array(self._levels(side, gap, begun))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
@@ -64,7 +72,16 @@ class Tucking:
             made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
             out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
         made[:, 4:176] = out.reshape(-1, 172)
+        self._given = out[-1]
         return made
+
+    def _others(self) -> list[str]:
+        """The arms that another motion has: they are elsewhere than where the last piece has left them."""
+        if not len(self._given):
+            return []
+        turn = to_rotation_vector(multiply(conjugate(self._given), self._task.present.rotations))
+        off = np.linalg.norm(turn, axis=-1)
+        return [side for side in _SIDES if max(off[INDEX[f"{side}_{link}"]] for link in _ARM) > _OTHERS]
 
     def _levels(self, side: str, gap: Array, begun: int) -> list[float]:
         """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n).
