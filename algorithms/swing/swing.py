@@ -15,6 +15,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, walk_library
+from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.links import INDEX, fingers
@@ -32,19 +33,19 @@ UPWARD = np.array([0.0, 0.0, 1.0])
 WIDE = 1.3  # radians: the angle that the second of the places below is for
 ARM = 0.68  # metres from the hinge to the lever that they are for
 # Where one stands, in the closed leaf's frame: x, y in metres and the heading in degrees, with the leaf closed and wide
-# open; by the side of the leaf, -1 before it and 1 where it opens to, and the hand. Found by a search for what both
-# shipped bodies do with the least bent wrist and the arm not stretched, clear of the leaf and the frame.
+# open; and how the palm is on the lever, degrees by which it looks down and by which it is turned to the left. By the
+# side of the leaf, -1 before it and 1 where it opens to, and the hand. Found by a search for what both shipped bodies
+# do with the least bent wrist and the arm not stretched, clear of the leaf and the frame.
 STANDS = {
-    (-1, "right"): ((0.47, -0.42, 125.0), (0.52, 0.12, 152.0)),
-    (-1, "left"): ((1.00, -0.56, 41.0), (0.45, 0.05, 20.0)),
-    (1, "right"): ((0.84, 0.64, -43.0), (0.08, 1.25, -26.0)),
-    (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0)),
+    (-1, "right"): ((0.43, -0.42, 125.0), (0.49, 0.12, 152.0), (50.0, -10.0)),
+    (-1, "left"): ((0.61, -0.50, 6.0), (0.47, 0.03, 20.0), (85.0, -26.0)),
+    (1, "right"): ((0.84, 0.64, -43.0), (0.08, 1.25, -26.0), (50.0, -12.0)),
+    (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0), (50.0, 0.0)),
 }
 TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even at half the way
 NEAR, MOST = (0.05, np.radians(5.0)), 2.0  # metres and radians: who stands so is not moved; metres that are stepped
 COMES, CLOSES, OPENS, LEAVES = 0.95, 0.3, 0.25, 0.6  # seconds
 BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, and to which it goes back
-PITCH = np.radians(50.0)  # by which the palm looks down on the lever
 DIAMETER, INTO_FINGERS = 0.022, 0.01  # metres: of a lever that does not say; how far it lies towards the fingers
 OPENED = 0.3  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
 LONGEST = 0.336  # of stature: a step backwards or aside that is made without turning about
@@ -60,6 +61,7 @@ class Door:
 
     closed: its frame when it is closed. angle, wanted: radians, now and then. side: on which one is, -1 or 1. lever:
     (3,) on that side, in the leaf's frame. width: of the leaf, metres.
+    hand: that takes it.
     """
 
     name: str
@@ -69,10 +71,11 @@ class Door:
     side: int
     lever: Array
     width: float
+    hand: str
 
-    def stand(self, hand: str, angle: float) -> Goal:
-        """Where one stands to have the lever in that hand at an angle."""
-        first, last = (np.array(place) for place in STANDS[self.side, hand])
+    def stand(self, angle: float) -> Goal:
+        """Where one stands to have the lever in hand at an angle."""
+        first, last = (np.array(place) for place in STANDS[self.side, self.hand][:2])
         x, y, heading = first + np.clip(angle / WIDE, 0.0, 1.0) * (last - first)
         place = self.closed.apply(np.array([x + self.lever[0] - ARM, y, 0.0]))
         ahead = rotate(self.closed.rotation, np.array([np.cos(np.radians(heading)), np.sin(np.radians(heading)), 0.0]))
@@ -81,7 +84,7 @@ class Door:
     def palms(self, palm: Transform, angle: Array, before: Array) -> Array:
         """The palm (n, 7) on the lever at angles (n), drawn back by metres (n); `palm` is on the closed leaf's."""
         leaf = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), angle)
-        yaw = TURNS_ALONG * angle + (1.0 - TURNS_ALONG) * 0.5 * WIDE
+        yaw = TURNS_ALONG * angle + (1.0 - TURNS_ALONG) * 0.5 * WIDE + np.radians(STANDS[self.side, self.hand][2][1])
         own = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), yaw)
         turned = multiply(own, palm.rotation)
         around = rotate(leaf, self.lever) + rotate(own, palm.place - self.lever)
@@ -95,28 +98,36 @@ class Door:
 def swing(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): steps to the lever, the hand takes it, steps with it, lets it go."""
     walk_library(task)
-    door, side = _door(task), _hand(task)
-    before = door.stand(side, door.angle)
+    door = _door(task)
+    before = door.stand(door.angle)
     stance = yield from stepped(task, before, ground_of(task), near=NEAR, most=MOST, to=door.name)
-    hand = Taking(task, door, side)
-    yield hand.comes(stance)
-    rows, stance = hand.goes(stance)
-    yield rows
-    yield hand.leaves(stance)
+    hand = Taking(task, door)
+    comes = hand.comes(stance)
+    goes, then = hand.goes(stance)
+    parts = (comes, goes, hand.leaves(then))
+    rows, palms, shape, bends = (np.concatenate(column) for column in zip(*parts, strict=True))
+    yield hand.brought(rows, palms, shape, bends)
+
+
+Part = tuple[Array, Array, Array, Array]
 
 
 class Taking:
-    """A hand that takes a door's lever, from the frame in which it sets out until it hangs again."""
+    """A hand that takes a door's lever, from the frame in which it sets out until it hangs again.
 
-    def __init__(self, task: HumanTask, door: Door, side: str) -> None:
-        self.task, self.door, self.reacher = task, door, Reacher.of(task.human, side)
-        self.links = list(fingers(side))
-        self.palm, self.fist = _grip(task, door, side)
+    What it does is told as rows (n, 260) of the body without it, palms (n, 7), fingers (n, 14, 4), and by which share
+    (n) the waist helps.
+    """
+
+    def __init__(self, task: HumanTask, door: Door) -> None:
+        self.task, self.door, self.reacher = task, door, Reacher.of(task.human, door.hand)
+        self.links = list(fingers(door.hand))
+        self.palm, self.fist = _grip(task, door)
         self.at_ease = task.start.rotations[self.links]
-        self.wide = slerp(self.fist, opened(side, self.at_ease[:2]), OPENED)
+        self.wide = slerp(self.fist, opened(door.hand, self.at_ease[:2]), OPENED)
 
-    def comes(self, stance: Stance) -> Array:
-        """Frames (n, 260) in which the hand comes to the lever and closes."""
+    def comes(self, stance: Stance) -> Part:
+        """The hand comes to the lever and closes."""
         comes, closes = _time(self.task, COMES), _time(self.task, CLOSES)
         n = len(comes) + len(closes)
         way = minimum_jerk(np.concatenate([comes, np.ones(len(closes))]))
@@ -131,10 +142,10 @@ class Taking:
                 slerp(self.wide, self.fist, minimum_jerk(closes)[:, None]),
             ]
         )
-        return self._rows(_standing(self.task, stance, n), palms, shape, way)
+        return _standing(self.task, stance, n), palms, shape, way
 
-    def goes(self, stance: Stance) -> tuple[Array, Stance]:
-        """Frames (n, 260) of the steps along with the leaf, and how one then stands, the arm hanging."""
+    def goes(self, stance: Stance) -> tuple[Part, Stance]:
+        """The steps along with the leaf, and how one then stands, the arm hanging."""
         task, door = self.task, self.door
         assert task.library is not None
         places = self._places()
@@ -148,14 +159,14 @@ class Taking:
         n = len(rows)
         angle = door.angle + self._shares(rows, begin.place, end.place) * (door.wanted - door.angle)
         palms = door.palms(self.palm, angle, np.zeros(n))
-        return self._rows(rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n)), stance
+        return (rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n)), stance
 
     def _places(self) -> list[Goal]:
         """From where one stands to where one stands then, by places so near to each other that nobody turns to walk."""
-        door, hand = self.door, self.reacher.side
-        far = float(np.linalg.norm(door.stand(hand, door.wanted).place - door.stand(hand, door.angle).place))
+        door = self.door
+        far = float(np.linalg.norm(door.stand(door.wanted).place - door.stand(door.angle).place))
         legs = max(int(np.ceil(far / (LONGEST * self.task.human.stature))), 1)
-        return [door.stand(hand, angle) for angle in np.linspace(door.angle, door.wanted, legs + 1)]
+        return [door.stand(angle) for angle in np.linspace(door.angle, door.wanted, legs + 1)]
 
     def _shares(self, rows: Array, begin: Array, end: Array) -> Array:
         """How much of its way (n) the leaf has gone in frames (n, 260) of the steps from one place to another.
@@ -183,8 +194,8 @@ class Taking:
         cost += touch if pulls else touch[:, ::-1]
         return _softly(np.maximum.accumulate(tried[cost.argmin(axis=1)]))
 
-    def leaves(self, stance: Stance) -> Array:
-        """Frames (n, 260) in which the hand opens, comes off the lever, and hangs again."""
+    def leaves(self, stance: Stance) -> Part:
+        """The hand opens, comes off the lever, and hangs again."""
         opens, leaves = _time(self.task, OPENS), _time(self.task, LEAVES)
         n = len(opens) + len(leaves)
         away = minimum_jerk(np.concatenate([np.zeros(len(opens)), leaves]))
@@ -194,10 +205,10 @@ class Taking:
         palms = np.concatenate([places, slerp(on[:, 3:], hangs[3:], away)], axis=1)
         open_by = minimum_jerk(np.concatenate([opens, np.ones(len(leaves))]))
         shape = slerp(slerp(self.fist, self.wide, open_by[:, None]), self.at_ease, away[:, None])
-        return self._rows(_standing(self.task, stance, n), palms, shape, 1.0 - away)
+        return _standing(self.task, stance, n), palms, shape, 1.0 - away
 
-    def _rows(self, rows: Array, palms: Array, shape: Array, bends: Array) -> Array:
-        """Frames with the palm (n, 7) where it shall be, its fingers (n, 14, 4), the waist helping by a share (n)."""
+    def brought(self, rows: Array, palms: Array, shape: Array, bends: Array) -> Array:
+        """Frames (n, 260) in which the arm brings the palm there, the elbow as its joints allow and without a jump."""
         n, skeleton, spine = len(rows), self.task.human, INDEX["spine"]
         out = rows.copy()
         rotations, root, targets = out[:, 4:176].reshape(n, 43, 4), out[:, 1:4], out[:, 220:].reshape(n, 5, 8)
@@ -205,6 +216,10 @@ class Taking:
         bent = bent_towards(self.reacher, rotations[:, 0], root, rotations[:, spine], wrist)
         rotations[:, spine] = slerp(rotations[:, spine], bent, bends)
         targets[:, self.reacher.row, :7], targets[:, self.reacher.row, 7] = palms, 1.0
+        arm, spine_now = self.reacher.arm, seat(skeleton, rotations, root)
+        present = arm.from_pose(rotations[0, self.reacher.links])
+        way = follow(arm, self.reacher.wrist(palms, spine_now), present)
+        rotations[:, self.reacher.links] = arm.into_pose(way.links)
         rotations[:] = solve(skeleton, rotations, root, targets)
         rotations[:, self.links] = shape
         importance = out[:, 176:220]
@@ -241,7 +256,7 @@ def _door(task: HumanTask) -> Door:
     size = thing.properties.get("size")
     width = float(size[0]) if isinstance(size, (list, tuple)) else float(thing.sites[names[0]].position[0])
     site = thing.sites[max(names, key=lambda name: side * thing.sites[name].position[1])]
-    return Door(thing.name, closed, angle, task.parameter("to", 0.0), side, np.array(site.position), width)
+    return Door(thing.name, closed, angle, task.parameter("to", 0.0), side, np.array(site.position), width, _hand(task))
 
 
 def _hand(task: HumanTask) -> str:
@@ -254,15 +269,16 @@ def _hand(task: HumanTask) -> str:
     return free[0]
 
 
-def _grip(task: HumanTask, door: Door, side: str) -> tuple[Transform, Array]:
+def _grip(task: HumanTask, door: Door) -> tuple[Transform, Array]:
     """The palm on the lever, in the leaf's frame, and the fingers (14, 4) closed about it: from before and above."""
     assert task.object is not None
-    into = np.array([0.0, -float(door.side), 0.0])
+    side, into = door.hand, np.array([0.0, -float(door.side), 0.0])
     thumb = np.cross(into, UPWARD) * (1.0 if side == "left" else -1.0)
-    out = np.cos(PITCH) * into - np.sin(PITCH) * UPWARD
+    pitch = np.radians(STANDS[door.side, side][2][0])
+    out = np.cos(pitch) * into - np.sin(pitch) * UPWARD
     rotation = from_matrix(np.stack([out, np.cross(thumb, out), thumb], axis=1))
     radius = 0.5 * float(task.object.properties.get("knob_diameter", DIAMETER))
-    to_fingers = np.cos(PITCH) * UPWARD + np.sin(PITCH) * into
+    to_fingers = np.cos(pitch) * UPWARD + np.sin(pitch) * into
     turn = np.arcsin(min(INTO_FINGERS / radius, 0.8))
     palm = Transform(door.lever - radius * (np.cos(turn) * out + np.sin(turn) * to_fingers), rotation)
     row = Reacher.of(task.human, side).row

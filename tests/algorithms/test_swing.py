@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
@@ -108,6 +109,17 @@ def test_the_hand_is_on_the_lever_while_the_leaf_turns_softly(name: str, action:
     bent = np.degrees(2.0 * np.arccos(np.clip(np.abs(rotations[:, INDEX["spine"], 0]), 0.0, 1.0)))
     assert bent.max() < 20.0
     assert worst_pop(rotations[1:]).degrees < 5.0
+
+
+@pytest.mark.parametrize("busy", ["", "right"])
+@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+def test_the_arm_is_within_its_limits(busy: str, action: str, at: Array, facing: float) -> None:
+    made = swung("ken", action, at, facing, seed=5, busy=(busy,) if busy else ())
+    side = "left" if busy == "right" else "right"
+    arm, first = Arm.of(made.body.skeleton, side), INDEX[f"{side}_upper_arm"]
+    held = [pose.rotations[first : first + 3] for pose in made.shown if pose.targets[int(side == "left"), 7] > 0.0]
+    assert len(held) > 250
+    assert np.degrees(excess(arm, arm.from_pose(np.array(held))).max()) < 8.0
 
 
 @pytest.mark.parametrize("busy", ["right", "left"])
