@@ -99,6 +99,8 @@ def swing(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): steps to the lever, the hand takes it, steps with it, lets it go."""
     walk_library(task)
     door = _door(task)
+    if task.length:
+        task.note("a door takes as long as the steps along with it; the number of frames is not kept to")
     before = door.stand(door.angle)
     stance = yield from stepped(task, before, ground_of(task), near=NEAR, most=MOST, to=door.name)
     hand = Taking(task, door)
