@@ -9,7 +9,7 @@ GL := $(VENV)/.gl
 .PHONY: demo test test-long lint check-gl clean help
 
 help:
-	@echo "make demo        the table scenario: a recording, a film and a contact sheet in out/"
+	@echo "make demo        the thesis's scenario in twelve actions: a recording, a film and a contact sheet in out/"
 	@echo "make test        all tests and checks, under 5 minutes"
 	@echo "make test-long   soak, fuzz and stalls"
 	@echo "make lint        ruff, pyright and the direction of imports"

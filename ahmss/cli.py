@@ -80,7 +80,7 @@ def demo(
     ] = True,
     workspace: Workspace = None,
 ) -> None:
-    """Play examples/table.txt with every kind of process, and make a film of it. Example: ahmss demo"""
+    """Play examples/scenario.txt with every kind of process, and film it meanwhile. Example: ahmss demo"""
     from ahmss.main.demo import run_demo
 
     if run_demo(out, workspace, window=window, say=typer.echo):
