@@ -38,6 +38,8 @@ _GIVEN = 0.05  # metres that the waist gives on the way
 _RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so slowly for so long has arrived
 _NEWEST = 0.06  # of the mean closing speed that the newest frame makes: the mean of about a third of a second
 _LINGERS = 0.98  # of the time, where the hand waits for the waist
+_ARM = 20.0  # its importance: of an arm that is high up even a little of a walk's, which hangs, is much
+_PASSING = 0.2  # metres a second: who goes on so fast lets go of the place with the last frame
 _QUICKER = 1.3  # times as fast as usual a reach goes at the most
 
 
@@ -54,11 +56,13 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
     """
     gaze, begun, nearing = _Gaze(task, goal.place), 0, _Nearing(task, goal)
     relaxed, last = round(_RELAXED * task.rate), task.present.root.copy()
+    then = task.present.rotations.copy(), last
     while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(relaxed):
         begun, last = begun + 1, task.present.root.copy()
+        then = task.present.rotations.copy(), last
         yield task.block(task.start.rotations[None], task.start.root[None], *gaze.next())
     present = task.present
-    carried = nearing.carried = Carried(task.human, goal, present.rotations, present.root, sides_of(task))
+    carried = nearing.carried = Carried(task.human, goal, present.rotations, present.root, sides_of(task), then)
     links, end = shape(carried.reacher.side)
     before = present.rotations[links].copy()
     time, k = 0.0, begun
@@ -68,15 +72,17 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         rotations, on = task.present.rotations, task.present.root - last
         last = task.present.root.copy()
         root = last + on  # about where it will be carried by this frame
+        ahead = _SLOWER * (task.length - k) * on * _LEVEL if task.length else nearing.ahead
+        made, target, spine = carried.step(rotations, root, time, ahead, settles=task.length > 0)
         if time == 1.0:
             _tell_missed(task, carried)
-        ahead = _SLOWER * (task.length - k) * on * _LEVEL if task.length else nearing.ahead
-        made, palm, spine = carried.step(rotations, root, time, ahead, settles=task.length > 0)
         made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
         made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
         importance, targets = gaze.next()
-        targets[:, carried.reacher.row, :7], targets[:, carried.reacher.row, 7] = palm, 1.0
-        importance[carried.reacher.links], importance[links] = 1.0, 1.0
+        if time == 1.0 and float(np.linalg.norm(on * _LEVEL)) * task.rate > _PASSING:
+            target[7] = 0.0  # else the hand hangs on to the place until the next motion begins, and the arm is torn
+        targets[:, carried.reacher.row] = target
+        importance[carried.reacher.links], importance[links] = _ARM, 1.0
         importance[_SPINE] = spine
         yield task.block(made[None], root[None], importance, targets)
 
@@ -173,10 +179,15 @@ class _Nearing:
 
 
 def _tell_missed(task: HumanTask, carried: Carried) -> None:
-    """Say so where the body was not carried near enough for the hand to be where it should be now."""
+    """Say so where the body was not carried near enough, or too far, for the hand to be where it should be now."""
     missing = carried.missing(task.present.rotations, task.present.root)
-    if missing > _MOST_MISSED:
+    hand = f"when the {carried.reacher.side} hand should have arrived, its"
+    if carried.passed:
         task.note(
-            f"when the {carried.reacher.side} hand should have arrived, its arm was {missing:.2f} m too short; "
-            "let it begin later (`after N`) or take more frames"
+            f"{hand} place was passed already, {max(missing, 0.0):.2f} m beyond its arm; "
+            "let it begin earlier (`after N`) or take fewer frames"
         )
+    elif missing > _MOST_MISSED:
+        task.note(f"{hand} arm was {missing:.2f} m too short; let it begin later (`after N`) or take more frames")
+    elif carried.short > _MOST_MISSED:
+        task.note(f"{hand} joints left it {carried.short:.2f} m short of its place")

@@ -3,6 +3,7 @@
 Nothing is known ahead: each frame starts from where the body is now. The palm leaves its place on the body gradually,
 by the same profile as if the body stood, and is at its place in the world with the last frame. How the palm is turned
 there is chosen as if the body were carried on straight until the arm reaches, and anew until shortly before the end.
+A place that the body leaves behind, out of reach, is let go of: the hand comes back to where it was on the body.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import align, conjugate, multiply, rotate, slerp, to_rotation_vector
+from ahmss.body.quaternion import align, conjugate, from_rotation_vector, multiply, rotate, slerp, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
-from ahmss.reaching.comfort import across, discomfort, solved
+from ahmss.reaching.comfort import across, discomfort
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.path import lifted
 from ahmss.reaching.reacher import Reacher, heading_of, seat
+from ahmss.reaching.tracking import Tracking, speed_towards
 from ahmss.reaching.waist import bent_towards
 
 __all__ = ["Carried"]
@@ -30,24 +32,39 @@ _SPINE = INDEX["spine"]
 _NEAR = 0.85  # of the arm's length: how near the body is taken to be carried
 _FIRST, _LAST = 0.14, 0.1  # metres by which the palm is lifted after the start and before the end
 _FULL = np.radians(8.0)  # of help from the waist, at which the spine is the reach's
-_STEP = np.radians(1.0)  # by which the arm at the end is chosen anew from frame to frame
+_STEP = np.radians(1.0)  # by which the palm at the end is chosen anew from frame to frame
 _SETTLED = 0.8  # of the time: from then on the palm's end stays
 _MOVE = 0.004  # metres that its end may move in a frame before
 _MOST = 4.0  # the spine's importance then: a walk's is a tenth of it
+_LEFT_FROM = 0.88  # of the arm's length: what is farther off
+_LEAVES = 0.004  # and goes away by so many metres a frame, is let go of
+_NEWEST = 0.1  # of how fast it goes away that the newest frame makes
+_LETS_GO = 36  # frames
+_FASTEST, _GAINS = np.radians(2.0), np.radians(0.25)  # of the waist in a frame, and from one frame to the next
+_COMES_TO_REST = 0.85  # of the speed against the body that the hand had: what is left of it a frame later
 
 
 class Carried:
     """One hand of a human who is carried, from frame to frame.
 
-    reacher: the arm; palm (7,): where it comes to.
+    reacher: the arm; palm (7,): where it comes to. short: metres by which the hand was not there in the last step.
 
     Args:
         skeleton: the human's measures. goal: where the palm shall be.
         rotations: (43, 4) the pose at the start. root: (3,).
         sides: the hands that may be used; the one that comes there more easily is.
+        before: rotations and root a frame before: an arm that swings comes to rest on the way.
     """
 
-    def __init__(self, skeleton: Skeleton, goal: Goal, rotations: Array, root: Array, sides: Sequence[str]) -> None:
+    def __init__(
+        self,
+        skeleton: Skeleton,
+        goal: Goal,
+        rotations: Array,
+        root: Array,
+        sides: Sequence[str],
+        before: tuple[Array, Array] | None = None,
+    ) -> None:
         found: list[tuple[float, int]] = []
         arms = [Reacher.of(skeleton, side) for side in sides]
         palms = [palms_of(goal, reacher, _shoulder(reacher, rotations, root)) for reacher in arms]
@@ -63,12 +80,19 @@ class Carried:
         self.reacher, self.palm = arms[chosen], palms[chosen][best[chosen]]
         self._goal, self._spine = goal, rotations[_SPINE]
         self._begun = self.reacher.arm.from_pose(rotations[self.reacher.links])
-        spine = _carried_on(self.reacher, self.palm[:3], rotations, root)
-        self._ended = align(solved(self.reacher, self.palm, spine, self._begun), self._begun)
-        grip = grips(skeleton, rotations, root)[self.reacher.row]
-        place, turn = floor_frame(rotations, root)
-        back = conjugate(turn)
-        self._on_body = np.concatenate([rotate(back, grip[:3] - place), multiply(back, grip[3:])])
+        self._on_body = _on_body(self.reacher, rotations, root)
+        then = (rotations, root) if before is None else before
+        self._drift = (self._on_body - _on_body(self.reacher, *then))[:3]
+        links = self.reacher.arm.from_pose(then[0][self.reacher.links])
+        self._tracking, self.short = Tracking(self.reacher, self._begun, links), 0.0
+        self._waist, self._bends = self._spine, np.zeros(3)
+        self._chest = seat(skeleton, *then)[1]
+        self._distance, self._goes, self._left = np.inf, 0.0, 0.0
+
+    @property
+    def passed(self) -> bool:
+        """Whether the body has left the place behind, out of reach."""
+        return self._left > 0.0
 
     def step(
         self, rotations: Array, root: Array, time: float, ahead: Array, *, settles: bool = True
@@ -83,33 +107,64 @@ class Carried:
             settles: whether the palm's end stays from shortly before the end on; else it is chosen anew to the last.
 
         Returns:
-            rotations (43, 4), the arm near where its target brings it; the target (7,); the spine's importance.
+            rotations (43, 4), the arm near where its target brings it; the target (8,), its
+            weight last: what is let go of has none; the spine's importance.
         """
         reacher = self.reacher
         place, turn = floor_frame(rotations, root)
+        self._on_body[:3] += self._drift
+        self._drift *= _COMES_TO_REST
         start = np.concatenate([place + rotate(turn, self._on_body[:3]), multiply(turn, self._on_body[3:])])
-        palm = lifted(start, self.palm, _FIRST, _LAST).at(np.array([time]))[0]
-        wrist, _ = reacher.hand(self.palm)
-        done = minimum_jerk(np.array(time))
-        bent = bent_towards(reacher, rotations[0], root + ahead, self._spine, wrist)
-        bent = slerp(self._spine, bent, done)
+        spine = self._about_to_be(rotations, root)
+        left = self._letting_go(reacher.shoulder(spine))
+        done = minimum_jerk(np.array(time)) * (1.0 - left)
+        wanted = self._bent(rotations[0], root, ahead, done)
+        self._bends = speed_towards(self._waist, wanted, self._bends, _FASTEST, _GAINS)
+        bent = self._waist = multiply(self._waist, from_rotation_vector(self._bends))
         angle = np.linalg.norm(to_rotation_vector(multiply(conjugate(self._spine), bent)))
         share = min(float(angle) / _FULL, 1.0)
         out = rotations.copy()
         out[_SPINE] = bent
         if time < _SETTLED or not settles:
             self._end_from(out, root)
-        out[reacher.links] = reacher.arm.into_pose(slerp(self._begun, self._ended, done))
-        return out, palm, _MOST * share * share * (3.0 - 2.0 * share)
+        wanted = lifted(start, self.palm, _FIRST, _LAST).at(np.array([time]))[0]
+        wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
+        palm = self._tracking.step(wanted, spine, time)
+        self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
+        out[reacher.links] = reacher.arm.into_pose(self._tracking.links)
+        return out, np.append(palm, 1.0 - left), _MOST * share * share * (3.0 - 2.0 * share)
+
+    def _bent(self, hips: Array, root: Array, ahead: Array, share: Array) -> Array:
+        """The spine's rotation (4,), bent by a share of what the waist gives, the body not carried past the place."""
+        reacher = self.reacher
+        wrist, _ = reacher.hand(self.palm)
+        way = max(float(np.linalg.norm(ahead)), 1e-9)
+        on = float(np.clip((wrist - root) @ ahead / way, 0.0, way))
+        bent = bent_towards(reacher, hips, root + on / way * ahead, self._spine, wrist)
+        return slerp(self._spine, bent, share)
+
+    def _about_to_be(self, rotations: Array, root: Array) -> tuple[Array, Array]:
+        """The spine link's place and rotation in the next frame, the trunk turning on as it does."""
+        place, now = seat(self.reacher.skeleton, rotations, root)
+        before, self._chest = self._chest, now
+        return place, multiply(now, multiply(conjugate(before), now))
+
+    def _letting_go(self, shoulder: Array) -> Array:
+        """How far the place is let go of, 0 to 1, where it goes away from the shoulder (3,), beyond the arm."""
+        distance = float(np.linalg.norm(self.reacher.hand(self.palm)[0] - shoulder))
+        if np.isfinite(self._distance):
+            self._goes += _NEWEST * (distance - self._distance - self._goes)
+        self._distance = distance
+        leaves = self._goes > _LEAVES and distance > _LEFT_FROM * self.reacher.length
+        self._left = float(np.clip(self._left + (1.0 if leaves else -1.0) / _LETS_GO, 0.0, 1.0))
+        return minimum_jerk(np.array(self._left))
 
     def _end_from(self, rotations: Array, root: Array) -> None:
-        """Bring palm and arm at the end, by a step, nearer to what they would be from a pose as this."""
+        """Bring the palm at the end, by a step, nearer to what it would be from a pose as this."""
         palms = palms_of(self._goal, self.reacher, _shoulder(self.reacher, rotations, root))
         spine = _carried_on(self.reacher, palms[:, :3].mean(axis=0), rotations, root)
         cost, _, _ = discomfort(self.reacher, palms, spine, self._begun)
         self.palm = _nearer(self.palm, palms[int(np.argmin(cost))])
-        better = align(solved(self.reacher, self.palm, spine, self._begun), self._ended)
-        self._ended = _stepped(self._ended, better)
 
     def missing(self, rotations: Array, root: Array) -> float:
         """Metres by which the arm is too short for its palm in a pose, less than 0 where it is not."""
@@ -128,6 +183,14 @@ def _stepped(rotations: Array, better: Array) -> Array:
     """Rotations (..., 4) at the most a step on to better ones."""
     angle = np.linalg.norm(to_rotation_vector(multiply(conjugate(rotations), better)), axis=-1)
     return slerp(rotations, better, np.minimum(_STEP / np.maximum(angle, 1e-9), 1.0))
+
+
+def _on_body(reacher: Reacher, rotations: Array, root: Array) -> Array:
+    """The palm (7,) of a pose (43, 4), (3,) as seen from the floor under the hips."""
+    grip = grips(reacher.skeleton, rotations, root)[reacher.row]
+    place, turn = floor_frame(rotations, root)
+    back = conjugate(turn)
+    return np.concatenate([rotate(back, grip[:3] - place), multiply(back, grip[3:])])
 
 
 def _shoulder(reacher: Reacher, rotations: Array, root: Array) -> Array:

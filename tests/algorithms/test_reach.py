@@ -16,7 +16,8 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
-from ahmss.motion.smoothness import worst_pop
+from ahmss.motion.quality import beyond_limits
+from ahmss.motion.smoothness import pops, worst_pop
 
 from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program
 
@@ -182,6 +183,41 @@ def test_who_was_not_carried_near_enough_is_told_by_how_much() -> None:
     (note,) = performance.news()
     assert "arm was 1.1" in note or "arm was 1.0" in note
     assert "`after N`" in note
+
+
+def passing(name: str, hand: str, place: tuple[float, float, float], length: int) -> tuple[list[HumanPose], list[str]]:
+    """A reach for a place by who is carried on past it at 1.2 m/s, never stopping."""
+    body = Body(name, x=-0.8, facing=0.0)
+    fields = FREE | {"frames": length, "hand": hand, "goal": Goal(place=place)}
+    performance = Performance(program("reach"), body.start(FLOOR, "stand", carried=True, **fields))
+    shown: list[HumanPose] = []
+    for k in range(1, length + 1):
+        assert performance.step(body.row(k))
+        pose = HumanPose.of(performance.row.copy())
+        root = body.root + np.array([0.02, 0.0, 0.0])
+        given_rotations = np.where(pose.importance[:43, None] > 0.0, pose.rotations, body.rotations)
+        body.rotations, body.root = solve(body.skeleton, given_rotations, root, pose.targets), root
+        shown.append(HumanPose(body.rotations, root, pose.importance, pose.targets))
+    return shown, performance.news()
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("hand", ["right", "left"])
+@pytest.mark.parametrize(("aside", "z"), [(0.4, 1.1), (0.7, 0.6), (0.15, 1.1), (0.4, 1.6)])
+def test_a_place_that_is_passed_is_let_go_of_smoothly(name: str, hand: str, aside: float, z: float) -> None:
+    shown, notes = passing(name, hand, (-0.2, -aside if hand == "right" else aside, z), 110)
+    rotations = np.array([pose.rotations for pose in shown])
+    arm = slice(INDEX[f"{hand}_upper_arm"], INDEX[f"{hand}_hand"] + 1)
+    begun = int(np.argmax([pose.targets[:2, 7].any() for pose in shown])) + 4  # what begins is smoothed by main
+    assert pops(rotations)[begun:, arm].max() < 3.0
+    still = np.tile(Body(name).rotations, (len(shown), 1, 1))
+    still[:, arm] = rotations[:, arm]
+    assert beyond_limits(still, Body(name).skeleton).degrees < 7.0
+    assert shown[-1].targets[("right", "left").index(hand), 7] == 0.0
+    (note,) = notes
+    assert "was passed already" in note
+    assert "m beyond its arm" in note
+    assert "fewer frames" in note
 
 
 def test_without_a_site_and_a_goal_it_asks_where() -> None:
