@@ -48,7 +48,9 @@ _MASS = {
 _PELVIS_SHARE = 0.257  # of the trunk's mass: the part below the waist
 _BODY_MASS_INDEX = 22.0
 
-# Ranges in degrees about each link's x, y, z from upright (right side; x and z mirror to the left).
+# Ranges in degrees about each link's x, y, z from upright (right side; x and z mirror to the left). The thumb's first
+# link stands for two joints: out of the palm it goes by the abduction of the one at the wrist, 70 degrees, and by the
+# flexion of the next, 50 (AAOS, Joint Motion: Method of Measuring and Recording, 1965).
 _LIMITS = {
     "hips": ((-180, 180), (-180, 180), (-180, 180)),
     "spine": ((-45, 45), (-25, 80), (-35, 35)),
@@ -59,7 +61,7 @@ _LIMITS = {
     "upper_leg": ((-45, 45), (-125, 35), (-50, 50)),
     "lower_leg": ((-10, 10), (-2, 150), (-8, 8)),
     "foot": ((-25, 25), (-30, 60), (-25, 25)),
-    "thumb_proximal": ((-60, 60), (-30, 80), (-60, 30)),
+    "thumb_proximal": ((-60, 60), (-30, 80), (-120, 30)),
     "thumb_distal": ((-10, 10), (-10, 10), (-85, 20)),
     "finger": ((-10, 10), (-20, 20), (-100, 45)),
 }

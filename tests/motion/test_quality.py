@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from ahmss.body.links import INDEX
-from ahmss.body.quaternion import from_rotation_vector, multiply
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import from_rotation_vector, multiply, rotate
+from ahmss.motion.fingers import opened
 from ahmss.motion.quality import beyond_limits, measure
 from ahmss.motion.smoothness import joint_motion, pops, worst_pop
 
@@ -133,6 +134,16 @@ def test_a_joint_beyond_its_limits_is_told_in_degrees(skeleton):
     found = beyond_limits(rotations, skeleton)
     assert found.degrees == pytest.approx(7.0)
     assert (found.frame, found.joint) == (20, knee)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_thumb_that_opposes_as_far_as_it_goes_is_within_its_limits(skeleton, side):
+    rotations, _ = skeleton.upright()
+    out = opened(side, opened(side))
+    rotations[list(fingers(side))] = out
+    assert beyond_limits(rotations[None], skeleton).degrees == 0.0
+    ahead = rotate(out[0], np.array([1.0, 0.0, 0.0]))
+    assert ahead[1] * (1.0 if side == "left" else -1.0) > 0.8  # out of the palm
 
 
 def test_a_twisted_and_bent_forearm_is_no_sideways_bend(skeleton):
