@@ -69,7 +69,11 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     field = _field(task, site.place)
     far = float(field.clearance(grip.place))
     if far > 2.0 * most:
-        raise AlgorithmError(f"the palm is {far:.2f} m from {thing.name}; reach for it first")
+        own = thing.name.rpartition("/")[2]
+        raise AlgorithmError(
+            f"the palm is {far:.2f} m from {thing.name}; reach for it first, and while walking say what follows with "
+            f"`then`, as a hand goes back when its reach is over: `with {own} reach then {own} grasp`"
+        )
     named = thing.sites.get(task.message.site)
     hand = Hand.of(task.human, side)
     grips = precision if named is not None and named.grip == "precision" else power
