@@ -23,7 +23,7 @@ _FIRST_LIFT = 0.56  # seconds from the beginning until the first foot leaves the
 _AFTER = 0.52  # seconds after the last has landed
 _ASIDE, _BACK = 0.62, 0.60  # a step aside and back, of one ahead
 _FAR = np.radians(105.0)  # of a turn into a way: from there on some of it is made on the spot
-_BEFORE, _ROOM = 0.4, 0.15  # what of it that is, and the share of a step that feet need to pass each other
+_BEFORE, _ROOM = 0.4, 0.115  # what of it that is, and the share of a step that feet need to pass each other
 _RUN = 5  # straight steps before what is cut out, and after it
 
 
@@ -124,8 +124,8 @@ class Planner:
         since = 0.0
         if abs(direction) > _FAR:
             since = _BEFORE * direction
-            aside, way = _ROOM * self.step, 0.5 * direction
-            turned = Frame(float(aside * np.cos(way)), float(aside * np.sin(way)), since)
+            room, way = _ROOM * self.step, 0.5 * direction
+            turned = Frame(float(room * np.cos(way)), float(room * np.sin(way)), since)
             turning = footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), turned, 2, LEFT)
         share = abs(direction - since) / np.pi
         middle = 0.5 * (since + direction)
