@@ -17,7 +17,8 @@ from ahmss.errors import AlgorithmError
 
 __all__ = ["Meeting", "code_stamp", "private_directory", "sweep"]
 
-_PACKAGES = ("algorithm", "body", "motion", "walking")  # what the pool holds in memory
+# What the pool holds in memory.
+_PACKAGES = ("algorithm", "body", "database", "grasping", "motion", "reaching", "walking")
 
 
 def code_stamp() -> str:
