@@ -153,7 +153,7 @@ def test_without_a_shape_and_a_diameter_it_says_what_is_missing() -> None:
 
 def test_it_says_so_when_the_cup_is_out_of_reach() -> None:
     body = Body()
-    with pytest.raises(AlgorithmError, match="reach for it first, .* `with cup reach then cup grasp`"):
+    with pytest.raises(AlgorithmError, match=r"reach for it first, .* `with cup reach then cup grasp`"):
         list(frames(program("grasp"), body.start(CUP, "grasp")))
 
 
