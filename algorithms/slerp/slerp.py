@@ -17,7 +17,7 @@ from ahmss.algorithm.staging import Staged, face, stage
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import normalize
+from ahmss.body.quaternion import IDENTITY, multiply, normalize
 from ahmss.body.quaternion import slerp as interpolate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
@@ -27,6 +27,7 @@ HANDS = ("right", "left")
 GAZE = 4
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
 MOST_MISSED = 0.06  # metres that are not told of: who was carried to a thing can't lean as who stands before it does
+ON_FACE = Transform(np.zeros(3), IDENTITY)
 CARRIED_IN = 16  # frames in which a hand that goes to the face has taken on the speed of the body
 TURNED_BY = 0.75  # share of the time by which a hand has its orientation
 
@@ -66,17 +67,35 @@ def slerp(task: HumanTask) -> Iterator[Array]:
 
 
 def _on_the_way(task: HumanTask, staged: Staged, frames: Array) -> Iterator[Array]:
-    """The frames (1, 260) of a hand that goes to the face, wherever the body is carried meanwhile."""
+    """The frames (1, 260) of a hand that goes to the face, wherever the body is carried meanwhile.
+
+    All its way is known as the face sees it; where that is, is asked at each frame.
+    """
+    rotations, root, importance, seen = _poses(task, staged, frames, ON_FACE)
+    known = minimum_jerk(frames / CARRIED_IN)  # the first frame does not say how fast the body is carried
     last = task.present.root.copy()
-    for k in frames:
-        known = minimum_jerk(np.array(k / CARRIED_IN))  # the first frame does not say how fast the body is carried
-        rotations, root = task.present.rotations, task.present.root + known * (task.present.root - last)
+    for i in range(len(frames)):
+        place = task.present.root + known[i] * (task.present.root - last)
         last = task.present.root.copy()
-        yield _block(task, staged, np.array([k]), (rotations[None], root[None]))
+        base = face(task, task.present.rotations, place)
+        targets = seen[i : i + 1].copy()
+        hands = targets[:, : len(HANDS)]
+        for target in (hands, targets[:, GAZE]):
+            target[..., :3] = base.apply(target[..., :3])
+        hands[..., 3:7] = multiply(base.rotation, hands[..., 3:7])
+        hands[hands[..., 7] == 0.0] = 0.0
+        yield task.block(rotations[i : i + 1], root[i : i + 1], importance[i : i + 1], targets)
 
 
-def _block(task: HumanTask, staged: Staged, frames: Array, seen: tuple[Array, Array] | None = None) -> Array:
-    """The frames (n) asked for, as POSE rows (n, 260); hands go to where the face of the pose that is `seen` is."""
+def _block(task: HumanTask, staged: Staged, frames: Array) -> Array:
+    """The frames (n) asked for, as POSE rows (n, 260)."""
+    return task.block(*_poses(task, staged, frames))
+
+
+def _poses(
+    task: HumanTask, staged: Staged, frames: Array, base: Transform | None = None
+) -> tuple[Array, Array, Array, Array]:
+    """Rotations, root, importance and targets of frames (n); targets are relative to a base, the clip's if left out."""
     course = _course(task.length, frames, staged.clip)
     key = course.key
     before = np.maximum(key - 1, 0)
@@ -86,7 +105,9 @@ def _block(task: HumanTask, staged: Staged, frames: Array, seen: tuple[Array, Ar
     root = way[key] + course.done[:, None] * (staged.root[key] - way[key])
     given = staged.clip.importance
     importance = given[before] + course.done[:, None] * (given[key] - given[before])
-    return task.block(rotations, root, importance, _targets(task, staged, course, *(seen or (rotations, root))))
+    if base is None:
+        base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
+    return rotations, root, importance, _targets(task, staged, course, base)
 
 
 def _last(clip: Clip) -> Clip:
@@ -107,12 +128,11 @@ def _course(length: int, frames: Array, clip: Clip) -> Course:
     return Course(key, time, minimum_jerk(time))
 
 
-def _targets(task: HumanTask, staged: Staged, course: Course, rotations: Array, root: Array) -> Array:
+def _targets(task: HumanTask, staged: Staged, course: Course, base: Transform | None) -> Array:
     """Targets (n, 5, 8): hands along their paths, feet where they stand, gaze."""
-    targets = np.zeros((len(root), 5, 8))
+    targets = np.zeros((len(course.key), 5, 8))
     if staged.planted:
         targets[:, 2:4, :7], targets[:, 2:4, 7] = staged.feet, 1.0
-    base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
     for row in range(2):
         if base is not None and staged.local[:, row, 7].any():
             targets[:, row] = _hand(task, staged, course, base, row)
@@ -134,7 +154,7 @@ def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row:
     before, present = ends[0], task.start.grip(HANDS[row])
     if task.carried and to_face:
         on_face = face(task, task.start.rotations, task.start.root).inverse().then(present)
-        before = base.then(on_face).row()
+        before = np.broadcast_to(base.then(on_face).row(), shape)
     elif not task.carried:
         before = np.broadcast_to(present.row(), shape)
     stops = np.stack([before, *ends])  # (K + 1, n, 7)
