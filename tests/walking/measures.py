@@ -37,7 +37,6 @@ JERK_MAX = 15_000.0  # rad/s3
 # The straight walk of ../shared/mocap (B03_Walk1) brought to 60 Hz: its largest pop, and the hips' acceleration.
 POP, HIPS_ACCELERATION = 6.0, 24.0  # degrees, m/s2
 
-_FOOT = 0.26  # metres
 _TOUCHING, _NEAR, _LOW = 1e-4, 0.002, 0.04  # metres over the floor
 
 
@@ -266,15 +265,11 @@ def hips_acceleration(walk: Walk) -> float:
 
 
 def mean_speed(walk: Walk) -> float:
-    """From where one sets out to where one stands, by the time from then to the last landing.
-
-    Who turns far into the way does so on the spot before, and has set out a foot's length from where they stood.
-    """
+    """From where one stands to where one stands, by the time from the first lifting to the last landing."""
     bears = walk.bearing.any(axis=-1).all(axis=-1)
-    last = int(np.flatnonzero(~bears)[-1])
-    away = np.linalg.norm(walk.root[:, :2] - walk.root[0, :2], axis=-1)
-    first = int(np.flatnonzero(away < _FOOT)[-1])
-    return float(np.linalg.norm(walk.root[-1, :2] - walk.root[first, :2])) / ((last - first + 1) / RATE)
+    moving = np.flatnonzero(~bears)
+    seconds = (moving[-1] - moving[0] + 1) / RATE
+    return float(np.linalg.norm(walk.root[-1, :2] - walk.root[0, :2])) / seconds
 
 
 # Feet and the floor, feet and each other
