@@ -63,7 +63,14 @@ class Feet:
 
 
 def footsteps(
-    feet: Feet, standing: tuple[Frame, Frame], body: Frame, goal: Frame, least: int, lead: int | None = None
+    feet: Feet,
+    standing: tuple[Frame, Frame],
+    body: Frame,
+    goal: Frame,
+    least: int,
+    lead: int | None = None,
+    *,
+    even: bool = False,
 ) -> list[Placed]:
     """The footsteps that bring both feet beside each other at a goal.
 
@@ -73,11 +80,12 @@ def footsteps(
         body: where the body is now, and its heading.
         goal: the standing human's frame at the end; its heading says which way round one turns.
         least: how many footsteps at least.
-        lead: the foot that goes first, after which there is an even number; None: either, and any number.
+        lead: the foot that goes first; None: either.
+        even: only an even number of them will do, so that the other foot lands last.
     """
     best: tuple[float, list[Placed]] | None = None
     for count in range(least, _MOST + 1):
-        if lead is not None and (count - least) % 2:
+        if even and count % 2:
             continue
         found: list[tuple[float, list[Placed]]] = []
         for first in (LEFT, RIGHT) if lead is None else (lead,):

@@ -126,7 +126,7 @@ class Planner:
             since = _BEFORE * direction
             room, way = _ROOM * self.step, 0.5 * direction
             turned = Frame(float(room * np.cos(way)), float(room * np.sin(way)), since)
-            turning = footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), turned, 2, LEFT)
+            turning = footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), turned, 2, LEFT, even=True)
         share = abs(direction - since) / np.pi
         middle = 0.5 * (since + direction)
         s1 = 0.88 * (1.0 - 0.6 * share) * self.step
@@ -169,7 +169,7 @@ class Planner:
             moved = float(np.hypot(one.landing.x - own.x, one.landing.y - own.y))
             full = min(max(moved / (1.9 * self.step), abs(one.body - body) / 1.6), 1.0)
             swing = (self._gait.frames - self._gait.both) / RATE * (0.82 + 0.18 * full)
-            both = self._gait.both / RATE + 0.10 * (1.0 - min(1.0, moved / (1.6 * self.step)))
+            both = self._gait.both / RATE + 0.04 * (1.0 - min(1.0, moved / (1.6 * self.step)))
             lift = at if not out else out[-1].land + both
             lift, land = round(lift * RATE) / RATE, round((lift + swing) * RATE) / RATE
             out.append(Step(one.foot, one.landing, lift, land, one.body, push, strike))
