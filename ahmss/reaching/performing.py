@@ -77,11 +77,16 @@ def perform(
     then = _NOTHING_THEN if then is None else then
     made = _perform(plan, time, gaze, looked, fingers, then)
     others = [prism for prism in plan.near if not prism.sought]
-    for _ in range(_TRIES if others else 0):
-        if _touch(plan, others, made, len(time)) <= 0.0:
+    depth = _touch(plan, others, made, len(time)) if others else 0.0
+    for _ in range(_TRIES):
+        if depth <= 0.0:
             break
         plan = plan.raised(_HIGHER)
-        made = _perform(plan, time, gaze, looked, fingers, then)
+        higher = _perform(plan, time, gaze, looked, fingers, then)
+        before, depth = depth, _touch(plan, others, higher, len(time))
+        if depth >= before:
+            break  # what is in the way is not below: a detour would spare nothing
+        made = higher
     return made
 
 

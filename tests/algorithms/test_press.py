@@ -10,6 +10,7 @@ import pytest
 from ahmss.algorithm import HumanPose, Transform, frames
 from ahmss.algorithm.messages import PoseRecord, Start
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, rotate
@@ -98,3 +99,13 @@ def test_out_of_reach_and_carried_are_refused() -> None:
 def test_asked_for_so_many_frames_it_takes_about_them() -> None:
     body = standing("ken", frame_of(SWITCH), 0.4, 0.0, 0.0)
     assert len(list(frames(program("press"), pressed(body, frames=150)))) == 150
+
+
+def test_what_is_behind_the_button_sends_the_hand_on_no_detour() -> None:
+    """The set is in the way of a hand that comes to its switch, from above as from before: it goes straight there."""
+    body = standing("ken", frame_of(SWITCH), 0.44, 0.0, 0.0)
+    shown = body.do("press", pressed(body))
+    height = np.array([grips(body.skeleton, pose.rotations, pose.root)[:, 2] for pose in shown])
+    assert shown[-1].targets[:2, 7].sum() == 1.0
+    assert height.max() < height[0].max() + 0.01
+    assert height[-1].min() < height[0].min() - 0.1
