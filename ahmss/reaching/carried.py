@@ -32,6 +32,7 @@ _SPINE = INDEX["spine"]
 _NEAR = 0.85  # of the arm's length: how near the body is taken to be carried
 _FIRST, _LAST = 0.14, 0.1  # metres by which the palm is lifted after the start and before the end
 _FULL = np.radians(8.0)  # of help from the waist, at which the spine is the reach's
+_BETTER = 0.25  # by which another palm must be easier than the one that is gone for: the two do not take turns
 _STEP = np.radians(1.0)  # by which the palm at the end is chosen anew from frame to frame
 _SETTLED = 0.8  # of the time: from then on the palm's end stays
 _MOVE = 0.004  # metres that its end may move in a frame before
@@ -78,7 +79,8 @@ class Carried:
             found.append((float(cost[best[i]]) + aside, i))
         _, chosen = min(found)
         self.reacher, self.palm = arms[chosen], palms[chosen][best[chosen]]
-        self._goal, self._spine = goal, rotations[_SPINE]
+        self._aim = self.palm[3:]
+        self._goal, self._spine = goal, rotations[_SPINE].copy()  # the present changes in place
         self._begun = self.reacher.arm.from_pose(rotations[self.reacher.links])
         self._on_body = _on_body(self.reacher, rotations, root)
         then = (rotations, root) if before is None else before
@@ -164,7 +166,9 @@ class Carried:
         palms = palms_of(self._goal, self.reacher, _shoulder(self.reacher, rotations, root))
         spine = _carried_on(self.reacher, palms[:, :3].mean(axis=0), rotations, root)
         cost, _, _ = discomfort(self.reacher, palms, spine, self._begun)
-        self.palm = _nearer(self.palm, palms[int(np.argmin(cost))])
+        best, same = int(np.argmin(cost)), int(np.argmax(np.abs(palms[:, 3:] @ self._aim)))
+        aim = palms[best if cost[best] < cost[same] - _BETTER else same]
+        self.palm, self._aim = _nearer(self.palm, aim), aim[3:]
 
     def missing(self, rotations: Array, root: Array) -> float:
         """Metres by which the arm is too short for its palm in a pose, less than 0 where it is not."""

@@ -1,0 +1,68 @@
+"""A hand of who is carried to a place: there with the last frame, whatever becomes of the pose that was given."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import INDEX
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.smoothness import pops
+from ahmss.reaching.carried import Carried
+from ahmss.reaching.goal import Goal
+
+HUMAN = Skeleton.of(1.7)
+ROTATIONS, ROOT = HUMAN.relaxed()
+SPINE = INDEX["spine"]
+FRAMES = 90
+ON = np.array([0.006, 0.0, 0.0])  # metres a frame
+ROW = {"right": 0, "left": 1}
+
+
+def carried(side: str, *, in_place: bool = False, sways: float = 0.0, aside: float = 0.2) -> tuple[Array, Array, Array]:
+    """Poses (F, 43, 4) of who is carried straight on and reaches, the palms (F, 7) gone for, and how far off it is.
+
+    in_place: every pose given is the same array, changed. sways: metres that the way goes to and fro. aside: metres
+    from the middle to the place.
+    """
+    place = ROOT + np.array([ON[0] * FRAMES + 0.4, aside if side == "left" else -aside, 0.05])
+    given, root = ROTATIONS.copy(), ROOT.copy()
+    hand = Carried(HUMAN, Goal(place, around=np.array([0, 0, 0, 1.0, 0, 0, 0])), given, root, [side])
+    made: list[Array] = []
+    palms: list[Array] = []
+    for k in range(FRAMES):
+        root = ROOT + (k + 1) * ON + np.array([0.0, sways * np.sin(0.35 * k), 0.0])
+        pose, target, _ = hand.step(given, root, (k + 1) / FRAMES, (FRAMES - k - 1) * ON, settles=False)
+        made.append(pose)
+        palms.append(hand.palm)
+        if in_place:
+            given[:] = pose
+        else:
+            given = pose.copy()
+    assert target[7] == 1.0
+    return np.array(made), np.array(palms), grips(HUMAN, made[-1], root)[ROW[side], :3] - hand.palm[:3]
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_it_is_there_with_the_last_frame_and_no_joint_jerks(side: str) -> None:
+    made, _, off = carried(side)
+    assert np.linalg.norm(off) < 0.002
+    assert 0.1 < pops(made).max() < 1.3
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_pose_that_changes_in_place_changes_nothing(side: str) -> None:
+    made, _, _ = carried(side, in_place=True)
+    assert np.array_equal(made, carried(side)[0])
+    assert np.linalg.norm(made[-1, SPINE] - ROTATIONS[SPINE]) > 0.02  # the waist has bent: what it began at matters
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_of_two_palms_as_easy_the_body_that_sways_does_not_take_now_this_now_that(side: str) -> None:
+    _, palms, off = carried(side, sways=0.03, aside=0.1)
+    heading = np.unwrap(2.0 * np.arctan2(palms[:, 6], palms[:, 3]))
+    turns = np.sign(np.diff(heading)[np.abs(np.diff(heading)) > 1e-6])
+    assert len(np.flatnonzero(np.diff(turns))) == 0
+    assert np.linalg.norm(off) < 0.005
