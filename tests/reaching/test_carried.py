@@ -37,11 +37,11 @@ def carried(side: str, *, in_place: bool = False, sways: float = 0.0, aside: flo
         pose, target, _ = hand.step(given, root, (k + 1) / FRAMES, (FRAMES - k - 1) * ON, settles=False)
         made.append(pose)
         palms.append(hand.palm)
+        assert target[7] == 1.0
         if in_place:
             given[:] = pose
         else:
             given = pose.copy()
-    assert target[7] == 1.0
     return np.array(made), np.array(palms), grips(HUMAN, made[-1], root)[ROW[side], :3] - hand.palm[:3]
 
 
