@@ -6,6 +6,8 @@ What the shipped algorithms that bring a hand to something share, and an author 
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
+from math import ceil
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,15 +21,20 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
-from ahmss.reaching.plan import Found, Plan, Reaching
+from ahmss.reaching.performing import Fingers, Performed, perform
+from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
+from ahmss.reaching.steps import Steps
 
-__all__ = ["HEAD", "Looking", "goal_of", "planned", "prisms_of", "refuse_far", "sides_of"]
+__all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "refuse_far", "sides_of"]
 
+Worked = TypeVar("Worked")
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for, and told of
 _TOLD = 0.003  # metres
 _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
+_PAUSES = 20  # of a plan that takes all its steps
+_PERFORMED_IN = 3  # frames
 _HEAD_SECONDS = 0.3  # in which the gaze comes to its place
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
@@ -96,20 +103,36 @@ def planned(
     """
     yield gaze.alone()
     sides = [side for side in sides_of(task) if not goal.palms or side in goal.palms]
-    reacher = reaching.better_side(goal, sides, prisms)
+    reacher = yield from gaze.during(reaching.better_side(goal, sides, prisms))
     yield from gaze.if_there_is_time()
-    found: list[Found] = []
-    for better in reaching.postures(reacher, goal, prisms):
-        found = [better]
-        yield from gaze.if_there_is_time()
-    posture, palm, arm = found[0]
+    posture, palm, arm = yield from gaze.during(reaching.posture(reacher, goal, prisms))
     refuse_far(task, reacher.side, arm)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])
+    yield from gaze.if_there_is_time()
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
-    plan = reaching.way(reacher, (posture, palm, arm), goal.place, prisms, looked)
+    plan = yield from gaze.during(reaching.way(reacher, (posture, palm, arm), goal.place, prisms, looked))
     yield from gaze.if_there_is_time()
     return plan
+
+
+def performed(
+    task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking, fingers: Fingers, then: Array | None = None
+) -> Generator[Array, None, Performed]:
+    """The frames of a plan, made a part in each of some more frames (1, 260) of the gaze.
+
+    Args:
+        task: which says how many frames there are. reaching: who. plan: what `planned` found. gaze: on its way.
+        fingers: links and the rotations (m, 4) that they come to.
+        then: palms (m, 7) of frames that follow; the reach takes the frames before them.
+    """
+    first = gaze.frames + gaze.left(_PERFORMED_IN)
+    follow = 0 if then is None else len(then)
+    length = max(task.length - follow - first, 1) if task.length else round(plan.seconds * task.rate)
+    plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
+    looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
+    time = np.arange(1, length + 1) / length
+    return (yield from gaze.until(first, perform(plan, time, gaze.place, looked, fingers, then)))
 
 
 def refuse_far(task: HumanTask, side: str, arm: Stretch) -> None:
@@ -131,9 +154,12 @@ class Looking:
     """
 
     def __init__(self, task: HumanTask, place: Array) -> None:
-        self._task, self._place = task, place
+        self._task, self.place = task, place
         self._feet = feet(task.human, task.start.rotations, task.start.root)
         self.frames = 0
+        self._pauses, self._at_once = 0, 1
+        if task.length:  # a short motion has few frames for the pauses of a plan: they are spread over these
+            self._at_once = ceil(_PAUSES / max(_LEADS * task.length, 1.0))
 
     def turned(self, frames: Array) -> Array:
         """How much of the way (n) the gaze has turned at frames (n)."""
@@ -148,15 +174,42 @@ class Looking:
         rows = self.rows(np.array([self.frames]))
         return task.block(task.start.rotations[None], task.start.root[None], importance, rows)
 
+    def left(self, most: int) -> int:
+        """How many frames, of so many, there are for the gaze alone: the others are needed for the hand."""
+        length = self._task.length
+        return max(min(most, ceil(_LEADS * length) - 1 - self.frames), 0) if length else most
+
     def if_there_is_time(self) -> Iterator[Array]:
         """The next frame as `alone`, unless the motion's frames are needed for the hand."""
-        if not self._task.length or self.frames + 1 < _LEADS * self._task.length:
+        self._pauses += 1
+        if self._pauses % self._at_once == 0 and self.left(1):
             yield self.alone()
+
+    def during(self, work: Steps[Worked]) -> Generator[Array, None, Worked]:
+        """What work finds; in its pauses the next frames as `alone`."""
+        while True:
+            try:
+                next(work)
+            except StopIteration as end:
+                return end.value
+            yield from self.if_there_is_time()
+
+    def until(self, last: int, work: Steps[Worked]) -> Generator[Array, None, Worked]:
+        """What work finds; in its pauses, and then, the frames as `alone` up to the last."""
+        while True:
+            try:
+                next(work)
+            except StopIteration as end:
+                while self.frames < last:
+                    yield self.alone()
+                return end.value
+            if self.frames < last:
+                yield self.alone()
 
     def rows(self, frames: Array) -> Array:
         """Targets (n, 5, 8) at frames (n): the gaze, and the feet of who is not carried."""
         targets = np.zeros((len(frames), 5, 8))
-        targets[:, GAZE, :3], targets[:, GAZE, 7] = self._place, self.turned(frames)
+        targets[:, GAZE, :3], targets[:, GAZE, 7] = self.place, self.turned(frames)
         if not self._task.carried:
             targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7], targets[:, RIGHT_FOOT : LEFT_FOOT + 1, 7] = self._feet, 1.0
         return targets

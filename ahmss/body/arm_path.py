@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ahmss.body import components
 from ahmss.body.arm import Arm, Wrist, angles_of, excess, hand_angles, with_hand, wrist_of
 from ahmss.body.arm_choice import present_side
 from ahmss.body.arm_swing import HAND, SHOULDER, Swing, allowed, limits_of, swing_of
@@ -85,13 +86,18 @@ def _carried_sides(arm: Arm, places: Array, present: Array) -> Array:
     """The present elbow's side carried along the path (F, ..., 3)."""
     sides = np.empty_like(places)
     sides[0] = present_side(arm, present, places[0])
-    before = places[0]
+    held, somewhere = places.copy(), np.linalg.norm(places, axis=-1, keepdims=True) > _TINY
+    for frame in range(1, len(places) if not somewhere.all() else 0):
+        held[frame] = np.where(somewhere[frame], places[frame], held[frame - 1])
+    known = np.linalg.norm(held[:-1], axis=-1)[..., None] > _TINY  # a wrist on the shoulder itself has no direction
+    turns = between(np.where(known, held[:-1], _ANY), np.where(known, held[1:], _ANY))
+    if places.ndim == 2:  # of a single arm: Python's floats are faster than arrays of one
+        side: Any = sides[0].tolist()
+        for frame, turn in enumerate(turns.tolist(), 1):
+            sides[frame] = side = components.rotate(turn, side)
+        return sides
     for frame in range(1, len(places)):
-        somewhere = np.linalg.norm(places[frame], axis=-1)[..., None] > _TINY
-        before, last = np.where(somewhere, places[frame], before), before
-        known = np.linalg.norm(last, axis=-1)[..., None] > _TINY  # a wrist on the shoulder itself has no direction
-        turn = between(np.where(known, last, _ANY), np.where(known, before, _ANY))
-        sides[frame] = rotate(turn, sides[frame - 1])
+        sides[frame] = rotate(turns[frame - 1], sides[frame - 1])
     return sides
 
 

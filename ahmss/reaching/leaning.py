@@ -8,7 +8,7 @@ inside things.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +24,7 @@ from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import MARGIN, gaps
 from ahmss.reaching.standing import Posture, Standing
+from ahmss.reaching.steps import Steps
 
 __all__ = ["Stretch", "looking", "posture_for", "stretch_of"]
 
@@ -37,7 +38,8 @@ _EFFORT = np.array([0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.
 _KNEES, _LOW = 4.0, (0.25, 0.4)  # a metre of bent knees for what is not low; low ends so high, metres, and over so many
 _EASY, _TOO_FAR, _ARM, _INSIDE, _LIMIT = 4.0, 600.0, 0.15, 400.0, 3000.0
 _TRUNK = ("hips", "spine", "head", "right_lower_leg", "left_lower_leg")
-_THICK = (0.10, 0.10, 0.09, 0.05, 0.05)  # metres
+_THICK = np.array([0.10, 0.10, 0.09, 0.05, 0.05])  # metres
+_AT_ONCE, _KEPT = 24, 24  # palms whose skin is looked at together; that are tried in other postures too
 _LEGS = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_leg", "lower_leg", "foot")]
 
 
@@ -53,8 +55,8 @@ class Stretch:
 
 def posture_for(
     standing: Standing, reacher: Reacher, palms: Array, present: Array, prisms: Sequence[Prism]
-) -> Iterator[tuple[Posture, int, Stretch]]:
-    """The posture, which of the palms (n, 7) it is for, and how the arm then is: found in steps, the last is the best.
+) -> Steps[tuple[Posture, int, Stretch]]:
+    """The posture, which of the palms (n, 7) it is for, and how the arm then is.
 
     Args:
         standing: whose feet stay.
@@ -64,28 +66,33 @@ def posture_for(
         prisms: what trunk and knees are to keep out of.
     """
     posture = standing.base
-    best, arm = _easiest(reacher, palms, posture, present, prisms)
+    order, arm = yield from _easiest(reacher, palms, posture, present, prisms)
     if arm.found and arm.stretched <= EASY:
-        yield posture, best, arm
-        return
-    low = reacher.hand(palms[best])[0][2] < sum(_LOW)
+        return posture, order[0], arm
+    kept = np.array(order[:_KEPT])
+    low = reacher.hand(palms[order[0]])[0][2] < sum(_LOW)
     drops = _DROPS if low else _DROPS[:2]  # nobody sits down for what is high
     grid = np.stack([a.ravel() for a in np.meshgrid(_TURNS, _LEANS, drops, indexing="ij")], axis=-1)
-    chosen = grid[0]
+    chosen, best = grid[0], order[0]
     for step in (None, _STEP, 0.4 * _STEP):
+        yield
         if step is not None:
             around = np.stack([a.ravel() for a in np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3, indexing="ij")], axis=-1)
             grid = np.clip(chosen + around * step, (0.0, 0.0, 0.0), (1.0, np.radians(115.0), 0.6))
-        chosen, posture = _least(standing, reacher, palms[best], grid, present, prisms)
-        best, arm = _easiest(reacher, palms, posture, present, prisms)
-        yield posture, best, arm
+        chosen, posture = yield from _least(standing, reacher, palms[best], grid, present, prisms)
+        if step is not _STEP:  # by a step the arm changes little
+            yield
+            order, arm = yield from _easiest(reacher, palms[kept], posture, present, prisms)
+            best = int(kept[order[0]])
+    return posture, best, arm
 
 
 def stretch_of(
     reacher: Reacher, palms: Array, posture: Posture, present: Array, prisms: Sequence[Prism]
-) -> tuple[int, Stretch]:
+) -> Steps[tuple[int, Stretch]]:
     """The palm of several (n, 7) that the arm takes most easily in a posture (43, 4), and how it then is."""
-    return _easiest(reacher, palms, posture, present, prisms)
+    order, arm = yield from _easiest(reacher, palms, posture, present, prisms)
+    return order[0], arm
 
 
 def looking(skeleton: Skeleton, rotations: Array, root: Array, place: Array, weight: Array | float = 1.0) -> Array:
@@ -98,21 +105,43 @@ def looking(skeleton: Skeleton, rotations: Array, root: Array, place: Array, wei
 
 def _easiest(
     reacher: Reacher, palms: Array, posture: Posture, present: Array, prisms: Sequence[Prism]
-) -> tuple[int, Stretch]:
+) -> Steps[tuple[list[int], Stretch]]:
+    """The palms (n, 7), the easiest first, and how the arm is with that one."""
     seen = looking(reacher.skeleton, posture.rotations, posture.root, palms[0, :3])
     spine = seat(reacher.skeleton, seen, posture.root)
     cost, found, missing = discomfort(reacher, palms, spine, present)
     if prisms and len(palms) > 1:
-        short = np.maximum(MARGIN - gaps(reacher, palms, spine, present, prisms), 0.0)
-        cost = cost + _INSIDE * (short**2).sum(axis=-1)
-    i = int(np.argmin(cost))
+        cost = yield from _with_skin(reacher, palms, cost, spine, present, prisms)
+    order: list[int] = np.argsort(cost, kind="stable").tolist()
+    i = order[0]
     stretched = np.linalg.norm(reacher.hand(palms[i])[0] - reacher.shoulder(spine)) / reacher.length
-    return i, Stretch(float(cost[i]), bool(found[i]), float(missing[i]), float(stretched))
+    return order, Stretch(float(cost[i]), bool(found[i]), float(missing[i]), float(stretched))
+
+
+def _with_skin(
+    reacher: Reacher, palms: Array, cost: Array, spine: tuple[Array, Array], present: Array, prisms: Sequence[Prism]
+) -> Steps[Array]:
+    """What palms (n, 7) cost (n) with what they are too near to things.
+
+    The easiest are looked at first, and only as many as it takes to know which costs least: of the others it is what
+    they cost at least.
+    """
+    total, rising, least, first = cost.copy(), np.argsort(cost, kind="stable"), np.inf, 0
+    for end in (_AT_ONCE, *range(2 * _AT_ONCE, len(palms) + 2 * _AT_ONCE, 2 * _AT_ONCE)):
+        some = rising[first:end]
+        if not len(some) or cost[some[0]] >= least:
+            break
+        if first:
+            yield
+        short = np.maximum(MARGIN - gaps(reacher, palms[some], spine, present, prisms), 0.0)
+        total[some] += _INSIDE * (short**2).sum(axis=-1)
+        least, first = min(least, float(total[some].min())), end
+    return total
 
 
 def _least(
     standing: Standing, reacher: Reacher, palm: Array, grid: Array, present: Array, prisms: Sequence[Prism]
-) -> tuple[Array, Posture]:
+) -> Steps[tuple[Array, Posture]]:
     """Of the numbers (n, 3) those that cost least, and the posture that they make."""
     skeleton, n = standing.skeleton, len(grid)
     wrist = reacher.hand(palm)[0]
@@ -120,7 +149,8 @@ def _least(
     aside = (np.arctan2(off[1], off[0]) - standing.heading + np.pi) % (2.0 * np.pi) - np.pi
     turn = grid[:, 0] * np.clip(aside - reacher.sign * _ADVANCE, -_MOST_TURN, _MOST_TURN)
     toward = np.full(n, standing.heading + np.clip(aside, -_ASIDE, _ASIDE))
-    made = standing.postures(turn, grid[:, 1], toward, grid[:, 2], _load(standing, reacher, wrist))
+    made = standing.sketched(turn, grid[:, 1], toward, grid[:, 2], _load(standing, reacher, wrist))
+    yield
     seen = looking(skeleton, made.rotations, made.root, palm[:3])
     spine = seat(skeleton, seen, made.root)
     cost = (_EFFORT * np.stack([turn, grid[:, 1], grid[:, 2]], axis=-1) ** 2).sum(axis=-1)
@@ -130,14 +160,18 @@ def _least(
     cost += _ARM * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
     cost += _LIMIT * _beyond(skeleton, seen) ** 2
     if prisms:
-        places, _ = forward(made.rotations, made.root, skeleton.offsets)
-        before, _ = forward(standing.base.rotations, standing.base.root, skeleton.offsets)
-        for name, thick in zip(_TRUNK, _THICK, strict=True):
-            least = min(0.0, float(clearance(prisms, before[INDEX[name]]) - thick))
-            gap = clearance(prisms, places[:, INDEX[name]]) - thick
-            cost += _INSIDE * np.maximum(least - gap, 0.0) ** 2
+        cost += _INSIDE * _deep(standing, made, prisms)
     i = int(np.argmin(cost))
-    return grid[i], Posture(made.rotations[i], made.root[i])
+    return grid[i], Posture(standing.on_feet(made.rotations[i], made.root[i]), made.root[i])
+
+
+def _deep(standing: Standing, made: Posture, prisms: Sequence[Prism]) -> Array:
+    """How deep trunk and knees of postures (n) are in things, deeper than they are already: squares (n), added up."""
+    offsets, links = standing.skeleton.offsets, [INDEX[name] for name in _TRUNK]
+    before = forward(standing.base.rotations, standing.base.root, offsets)[0][links]
+    places = forward(made.rotations, made.root, offsets)[0][:, links]
+    gap = clearance(prisms, np.concatenate([before[None], places]), max(_THICK)) - _THICK
+    return (np.maximum(np.minimum(gap[0], 0.0) - gap[1:], 0.0) ** 2).sum(axis=-1)
 
 
 def _load(standing: Standing, reacher: Reacher, wrist: Array) -> Array:

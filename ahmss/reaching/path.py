@@ -18,6 +18,7 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import MARGIN, gaps
+from ahmss.reaching.steps import Steps
 
 __all__ = ["Curve", "clear_curve", "curves", "lifted"]
 
@@ -33,6 +34,7 @@ _SAMPLES = 20
 _EVENLY = np.linspace(0.0, 1.0, 48)
 _SHORTEST, _TINY = 1e-4, 1e-9  # metres
 _LEAVING, _ARRIVING = 0.25, 0.7  # shares of the time
+_AT_ONCE = 10  # curves, that are looked at between two pauses
 _CLOSE = 900.0  # what a square metre of being too near costs, in metres of way
 
 
@@ -54,8 +56,11 @@ class Curve:
         passed, done = self._passed(), minimum_jerk(time)
         if passed[-1] > _SHORTEST:  # evenly along the curve, whose parameter is not its length
             done = np.clip(CubicSpline(passed / passed[-1], _EVENLY)(done), 0.0, 1.0)
-        turned = slerp(self.start, self.end, minimum_jerk(time / TURNED_BY))
-        return np.concatenate([_bezier(self.points, done), turned], axis=-1)
+        return np.concatenate([_bezier(self.points, done), self.turned(time)], axis=-1)
+
+    def turned(self, time: Array) -> Array:
+        """The palm's rotations (n, 4) at shares of the time (n)."""
+        return slerp(self.start, self.end, minimum_jerk(time / TURNED_BY))
 
     def _passed(self) -> Array:
         """The length up to even steps of the parameter, metres; it always grows."""
@@ -91,32 +96,63 @@ def lifted(start: Array, end: Array, first: float, last: float, back: Array | No
 
 def clear_curve(
     reacher: Reacher, family: Sequence[Curve], seats: tuple[Array, Array], present: Array, prisms: Sequence[Prism]
-) -> Curve:
+) -> Steps[Curve]:
     """The curve of a family that costs least: the shortest that stays clear.
 
     Args:
         reacher: the arm.
-        family: the curves.
+        family: the curves, between the same two palms.
         seats: places (20, 3) and rotations (20, 4) of the spine link at even shares of the time, in the world.
         present: (3, 4) the arm's links at the start.
         prisms: what is to be kept clear of.
     """
     time = np.linspace(0.0, 1.0, _SAMPLES)
-    lengths = np.array([curve.length for curve in family])
+    places, lengths = _sampled(np.stack([curve.points for curve in family]), time)
+    rising = np.argsort(lengths)
     if not prisms:
-        return family[int(np.argmin(lengths))]
-    palms = np.stack([curve.at(time) for curve in family])  # (m, 20, 7)
-    between = gaps(reacher, palms, seats, present, prisms)
-    # Where the way begins or ends nearer to a thing than the margin, it may be so near there.
+        return family[rising[0]]
+    turned = family[0].turned(time)
+    best, least = 0, np.inf
+    for first in range(0, len(family), _AT_ONCE):
+        some = rising[first : first + _AT_ONCE]
+        if lengths[some[0]] >= least:  # what is longer costs more even where it is clear
+            break
+        if first:
+            yield
+        palms = np.concatenate([places[some], np.broadcast_to(turned, (len(some), _SAMPLES, 4))], axis=-1)
+        cost = lengths[some] + _CLOSE * _nearness(gaps(reacher, palms, seats, present, prisms), time)
+        i = int(cost.argmin())
+        if cost[i] < least:
+            best, least = some[i], cost[i]
+    return family[best]
+
+
+def _nearness(between: Array, time: Array) -> Array:
+    """By how much gaps (m, n, 13) to things, at shares of the time (n), are too small: mean squares (m), added up.
+
+    Where a way begins or ends nearer to a thing than the margin, it may be so near there.
+    """
     first, last = (np.minimum(between[:, [end]], MARGIN) for end in (0, -1))
     least = np.where(time[:, None] < _LEAVING, first, np.where(time[:, None] > _ARRIVING, last, MARGIN))
-    short = np.maximum(least - between, 0.0)
-    cost = lengths + _CLOSE * (short**2).mean(axis=1).sum(axis=-1)
-    return family[int(np.argmin(cost))]
+    return (np.maximum(least - between, 0.0) ** 2).mean(axis=1).sum(axis=-1)
+
+
+def _sampled(points: Array, time: Array) -> tuple[Array, Array]:
+    """Places (m, n, 3) of curves (m, 4, 3) at shares of the time (n), to a millimetre or two, and their lengths (m)."""
+    fine = _weights(_EVENLY) @ points
+    passed = np.cumsum(np.maximum(np.linalg.norm(np.diff(fine, axis=1), axis=-1), _TINY), axis=-1)
+    passed = np.concatenate([np.zeros((len(points), 1)), passed], axis=-1)
+    done = minimum_jerk(time)
+    along = np.stack([np.interp(done, way / way[-1], _EVENLY) for way in passed])
+    return np.einsum("mnk,mkc->mnc", _weights(along), points), passed[:, -1]
 
 
 def _bezier(points: Array, s: Array) -> Array:
     """Places (n, 3) of a cubic Bezier curve at its parameter (n)."""
-    s = s[:, None]
+    return _weights(s) @ points
+
+
+def _weights(s: Array) -> Array:
+    """How much each of its four points counts (..., 4) at a cubic Bezier curve's parameter (...)."""
     r = 1.0 - s
-    return r**3 * points[0] + 3.0 * r**2 * s * points[1] + 3.0 * r * s**2 * points[2] + s**3 * points[3]
+    return np.stack([r**3, 3.0 * r**2 * s, 3.0 * r * s**2, s**3], axis=-1)

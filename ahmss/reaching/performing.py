@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter1d
 from ahmss.body.arm import hand_angles, with_hand
 from ahmss.body.arm_path import Way, follow
 from ahmss.body.array import Array
-from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, grips, solve
+from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.links import fingers as fingers_of
@@ -22,6 +22,8 @@ from ahmss.reaching.leaning import looking
 from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.standing import Posture
+from ahmss.reaching.steps import Steps
 
 __all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
 
@@ -64,7 +66,7 @@ class Performed:
 
 def perform(
     plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers = _NO_FINGERS, then: Array | None = None
-) -> Performed:
+) -> Steps[Performed]:
     """The frames of a plan at shares of its time (n).
 
     Args:
@@ -75,43 +77,86 @@ def perform(
         then: palms (m, 7) of frames that follow, the trunk as it then is; `looked` is of these too.
     """
     then = _NOTHING_THEN if then is None else then
-    made = _perform(plan, time, gaze, looked, fingers, then)
+    body = _carried(plan, np.concatenate([time, np.ones(len(then))]), gaze, looked, fingers)
+    asked = _asked(plan, body, then)
+    yield
+    arm = _reached(plan, body, asked, len(time))
+    yield
     others = [prism for prism in plan.near if not prism.sought]
-    depth = _touch(plan, others, made, len(time)) if others else 0.0
+    depth = _touch(plan.reacher, others, body, arm, len(time)) if others else 0.0
     for _ in range(_TRIES):
         if depth <= 0.0:
             break
+        yield
         plan = plan.raised(_HIGHER)
-        higher = _perform(plan, time, gaze, looked, fingers, then)
-        before, depth = depth, _touch(plan, others, higher, len(time))
+        higher = _reached(plan, body, _asked(plan, body, then), len(time))
+        yield
+        before, depth = depth, _touch(plan.reacher, others, body, higher, len(time))
         if depth >= before:
             break  # what is in the way is not below: a detour would spare nothing
-        made = higher
-    return made
+        arm = higher
+    return _performed(plan, body, arm, gaze, looked, fingers[0])
 
 
-def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers, then: Array) -> Performed:
-    reacher, skeleton = plan.reacher, plan.reacher.skeleton
-    palms = np.concatenate([plan.palms(time), then])
-    time = np.concatenate([time, np.ones(len(then))])
-    trunk, n = plan.trunk(time), len(time)
+@dataclass(frozen=True, eq=False)
+class _Body:
+    """F frames of a body but for the arm that reaches.
+
+    time (F,). trunk: hips, spine, legs and root as before the gaze turns anything, the fingers as they go. seen
+    (F, 43, 4): as it is shown. spine: its place (F, 3) and rotation (F, 4).
+    """
+
+    time: Array
+    trunk: Posture
+    seen: Array
+    spine: tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class _Arm:
+    """Its links (F, 3, 4), the palms (F, 7) that it has, and whether it flips."""
+
+    links: Array
+    palms: Array
+    jumps: bool
+
+
+def _carried(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers) -> _Body:
+    trunk, skeleton = plan.trunk(time), plan.reacher.skeleton
     rotations = trunk.rotations
     if plan.standing is not None and plan.helped:
         rotations = plan.standing.on_feet(rotations, trunk.root)
+    links, shape = fingers
+    rotations[:, links] = slerp(plan.start.rotations[links], shape, minimum_jerk(time / SHAPED_BY)[:, None])
     seen = looking(skeleton, rotations, trunk.root, gaze, looked)
-    spine = seat(skeleton, seen, trunk.root)
-    palms = _within_reach(reacher, palms, spine, time)
-    wrist = reacher.wrist(palms, spine)
+    return _Body(time, Posture(rotations, trunk.root), seen, seat(skeleton, seen, trunk.root))
+
+
+def _asked(plan: Plan, body: _Body, then: Array) -> Array:
+    """The palms (F, 7) along the plan's way, and then those (m, 7) that follow."""
+    palms = np.concatenate([plan.palms(body.time[: len(body.time) - len(then)]), then])
+    return _within_reach(plan.reacher, palms, body.spine, body.time)
+
+
+def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> _Arm:
+    """The arm after palms (F, 7), of which the first n are on the way."""
+    reacher = plan.reacher
     present = reacher.arm.from_pose(plan.start.rotations[reacher.links])
-    way = follow(reacher.arm, wrist, present)
-    links, own = _slowed(way, n - len(then))
-    rotations[:, reacher.links] = seen[:, reacher.links] = reacher.arm.into_pose(links)
-    # On the way a hand is turned as its joints allow, not as the shortest turn would have it.
-    palms = np.where(own[:, None], grips(skeleton, seen, trunk.root)[:, reacher.row], palms)
+    way = follow(reacher.arm, reacher.wrist(palms, body.spine), present)
+    links, own = _slowed(way, n)
+    if own.any():  # on the way a hand is turned as its joints allow, not as the shortest turn would have it
+        palms = np.where(own[:, None], reacher.palm(links, body.spine), palms)
+    return _Arm(reacher.arm.into_pose(links), palms, bool(way.jumps.any()))
+
+
+def _performed(plan: Plan, body: _Body, arm: _Arm, gaze: Array, looked: Array, fingers: list[int]) -> Performed:
+    reacher, n = plan.reacher, len(body.time)
+    rotations, root, seen = body.trunk.rotations, body.trunk.root, body.seen
+    rotations[:, reacher.links] = seen[:, reacher.links] = arm.links
     if plan.helped:
-        rotations[:, reacher.other] = _other_arm(plan, seen, trunk.root)
+        rotations[:, reacher.other] = _other_arm(plan, seen, root)
     targets = np.zeros((n, 5, 8))
-    targets[:, reacher.row, :7], targets[:, reacher.row, 7] = palms, 1.0
+    targets[:, reacher.row, :7], targets[:, reacher.row, 7] = arm.palms, 1.0
     targets[:, GAZE, :3], targets[:, GAZE, 7] = gaze, looked
     if plan.standing is not None:
         targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7] = plan.standing.feet
@@ -119,15 +164,13 @@ def _perform(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finge
     importance = np.zeros(44)
     importance[reacher.links] = 1.0
     importance[INDEX["head"]] = 0.05
-    links, shape = fingers
-    rotations[:, links] = slerp(plan.start.rotations[links], shape, minimum_jerk(time / SHAPED_BY)[:, None])
-    importance[links] = 1.0
+    importance[fingers] = 1.0
     if plan.helped:
         importance[INDEX["spine"]] = 1.0
         importance[reacher.other] = _OTHER
         if plan.standing is not None:
             importance[[0, 43, *_LEGS]] = 1.0
-    return Performed(rotations, trunk.root, np.repeat(importance[None], n, axis=0), targets, bool(way.jumps.any()))
+    return Performed(rotations, root, np.repeat(importance[None], n, axis=0), targets, arm.jumps)
 
 
 def _slowed(way: Way, n: int) -> tuple[Array, Any]:
@@ -168,19 +211,20 @@ def _other_arm(plan: Plan, rotations: Array, root: Array) -> Array:
     return solve(reacher.skeleton, rotations, root, targets)[:, reacher.other]
 
 
-def _touch(plan: Plan, prisms: Sequence[Prism], made: Performed, n: int) -> float:
+def _touch(reacher: Reacher, prisms: Sequence[Prism], body: _Body, arm: _Arm, n: int) -> float:
     """How deep, metres, the skin of forearm, hand and fingers is in things in the first n frames; below 0 in none.
 
     Towards either end it may be as near as it is there.
     """
-    reacher, skeleton = plan.reacher, plan.reacher.skeleton
-    seen = looking(skeleton, made.rotations, made.root, made.targets[0, GAZE, :3], made.targets[:, GAZE, 7])
-    places, turned = forward(seen, made.root, skeleton.offsets)
+    skeleton, seen = reacher.skeleton, body.seen[:n].copy()
+    seen[:, reacher.links] = arm.links[:n]
+    places, turned = forward(seen, body.trunk.root[:n], skeleton.offsets)
     links = [reacher.links.start + 1, *fingers_of(reacher.side)]
     ends = places[:, links] + rotate(turned[:, links], skeleton.tips[links])
     middles = 0.5 * (places[:, links] + ends)
-    gap = clearance(prisms, np.stack([places[:, links], middles, ends])) - skeleton.radii[links]
-    gap = gap.min(axis=0)[:n]
+    radii = skeleton.radii[links]
+    gap = clearance(prisms, np.stack([places[:, links], middles, ends]), _AIR + float(radii.max())) - radii
+    gap = gap.min(axis=0)
     time = np.arange(1, n + 1) / n
     first, last = np.minimum(gap[0], _AIR), np.minimum(gap[-1], _AIR)
     least = np.where(time[:, None] < 0.2, first, np.where(time[:, None] > 0.75, last, _AIR))

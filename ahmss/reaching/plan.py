@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,12 +21,14 @@ from ahmss.reaching.path import Curve, clear_curve, curves
 from ahmss.reaching.prism import Prism, in_the_way
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.standing import Posture, Standing
+from ahmss.reaching.steps import Steps
 from ahmss.reaching.waist import bent_towards
 
 __all__ = ["HAND_BY", "Found", "Plan", "Reaching"]
 
 _SPINE = INDEX["spine"]
 _SAMPLES = 20  # of the trunk along the way
+_ENOUGH = 40  # palms by which one sees which arm comes there more easily
 _STRAIGHT = 0.998  # of the arm's length, which is as far as it is stretched
 _STRETCH = 25.0  # what an arm's length beyond what is easy costs
 HAND_BY = 0.95
@@ -39,7 +41,7 @@ Found = tuple[Posture, Array, Stretch]
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What `Reaching.plan` found.
+    """What `Reaching.way` found.
 
     reacher: the arm. standing: None where the hips stay. start, end: postures (43, 4), (3,), the arm as at the start.
     hands (2, 7): the palms at the start, as they are shown. palm (7,): where the one comes to. curve: its way.
@@ -88,7 +90,7 @@ class Plan:
 
 
 class Reaching:
-    """A human about to reach, planned step by step, so that who has frames to give can give them in between.
+    """A human about to reach, planned in steps, so that who has frames to give can give them in between.
 
     Args:
         skeleton: the human's measures.
@@ -112,44 +114,49 @@ class Reaching:
         spine = seat(self.skeleton, self.base.rotations, self.base.root)
         return palms_of(goal, reacher, reacher.shoulder(spine))
 
-    def better_side(self, goal: Goal, sides: Sequence[str], prisms: Sequence[Prism] = ()) -> Reacher:
+    def better_side(self, goal: Goal, sides: Sequence[str], prisms: Sequence[Prism] = ()) -> Steps[Reacher]:
         """The arm of several that comes to the goal more easily; the right one, where it makes no difference."""
         costs: list[tuple[float, int]] = []
         arms = [Reacher.of(self.skeleton, side) for side in sides]
         for i, reacher in enumerate(arms if len(arms) > 1 else ()):
+            if i:
+                yield
             palms, present = self.palms(reacher, goal), self.present(reacher)
-            _, arm = stretch_of(reacher, palms, self.base, present, in_the_way(prisms, self.base.root, goal.place))
+            palms = palms[:: 1 + (len(palms) - 1) // _ENOUGH]
+            near = in_the_way(prisms, self.base.root, goal.place)
+            _, arm = yield from stretch_of(reacher, palms, self.base, present, near)
             beyond = max(arm.stretched - EASY, 0.0)
             shoulder = reacher.shoulder(seat(self.skeleton, self.base.rotations, self.base.root))
             costs.append((arm.cost + _STRETCH * beyond + across(reacher, goal.place, shoulder, self.heading), i))
         return arms[min(costs)[1]] if costs else arms[0]
 
-    def postures(self, reacher: Reacher, goal: Goal, prisms: Sequence[Prism]) -> Iterator[Found]:
-        """The posture to reach from, the palm (7,) at its end, how the arm then is; each better than the last."""
+    def posture(self, reacher: Reacher, goal: Goal, prisms: Sequence[Prism]) -> Steps[Found]:
+        """The posture to reach from, the palm (7,) at its end, and how the arm then is."""
         palms, present = self.palms(reacher, goal), self.present(reacher)
         if self.standing is not None:
-            for posture, best, arm in posture_for(self.standing, reacher, palms, present, prisms):
-                yield posture, palms[best], arm
-            return
-        best, _ = stretch_of(reacher, palms, self.base, present, prisms)
+            posture, best, arm = yield from posture_for(self.standing, reacher, palms, present, prisms)
+            return posture, palms[best], arm
+        best, _ = yield from stretch_of(reacher, palms, self.base, present, prisms)
         rotations, root = self.base.rotations.copy(), self.base.root
         wrist, _ = reacher.hand(palms[best])
         rotations[_SPINE] = bent_towards(reacher, rotations[0], root, rotations[_SPINE], wrist)
         bent = Posture(rotations, root)
-        best, arm = stretch_of(reacher, palms, bent, present, prisms)
-        yield bent, palms[best], arm
+        yield
+        best, arm = yield from stretch_of(reacher, palms, bent, present, prisms)
+        return bent, palms[best], arm
 
-    def way(self, reacher: Reacher, found: Found, gaze: Array, prisms: Sequence[Prism], looked: float = 0.0) -> Plan:
-        """The plan for a posture, palm and arm that `postures` found.
+    def way(
+        self, reacher: Reacher, found: Found, gaze: Array, prisms: Sequence[Prism], looked: float = 0.0
+    ) -> Steps[Plan]:
+        """The plan for a posture, palm and arm that `posture` found.
 
         Args:
             reacher: the arm. found: what for. prisms: the things near by.
             gaze: (3,) what is looked at meanwhile. looked: how much of the way to it the gaze has turned before.
         """
         end, palm, arm = found
-        begun = looking(self.skeleton, self.start.rotations, self.start.root, gaze, looked)
         palm = self._in_reach(reacher, end, palm, gaze)
-        hands = grips(self.skeleton, begun, self.start.root)
+        hands = self._hands(gaze, looked)
         start = hands[reacher.row]
         leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
         family = curves(start, palm, self.heading)
@@ -158,7 +165,22 @@ class Reaching:
         trunk = plan.trunk(np.linspace(0.0, 1.0, _SAMPLES))
         seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
         seats = seat(self.skeleton, seen, trunk.root)
-        return replace(plan, curve=clear_curve(reacher, family, seats, self.present(reacher), near))
+        yield
+        curve = yield from clear_curve(reacher, family, seats, self.present(reacher), near)
+        return replace(plan, curve=curve)
+
+    def set_out(self, plan: Plan, gaze: Array, looked: float) -> Plan:
+        """The plan of a hand that sets out when the gaze (3,) has turned so much of its way, the trunk with it."""
+        hands = self._hands(gaze, looked)
+        start = hands[plan.reacher.row]
+        moved = np.array([[1.0], [1.0], [0.0], [0.0]]) * (start[:3] - plan.curve.points[0])
+        curve = replace(plan.curve, points=plan.curve.points + moved, start=start[3:])
+        return replace(plan, hands=hands, curve=curve)
+
+    def _hands(self, gaze: Array, looked: float) -> Array:
+        """The palms (2, 7) as they are shown before anything moves but the gaze."""
+        begun = looking(self.skeleton, self.start.rotations, self.start.root, gaze, looked)
+        return grips(self.skeleton, begun, self.start.root)
 
     def _in_reach(self, reacher: Reacher, end: Posture, palm: Array, gaze: Array) -> Array:
         """The palm (7,), or as near to it as the arm comes without being stretched out altogether."""

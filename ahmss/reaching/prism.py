@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -34,30 +35,52 @@ class Prism:
     def signed(self, points: Array) -> Array:
         """The distance (...) of points (..., 3) from it; negative within: how far the way out is."""
         flat = points.reshape(-1, 3)
-        shape = self._shape()
+        made = self._made
         places = np.asarray(shapely.points(flat[:, :2]))
-        level = np.asarray(shapely.distance(shape, places), np.float64)
+        level = np.asarray(shapely.distance(made.shape, places), np.float64)
         inside = np.flatnonzero(level <= 0.0)
         if len(inside):
-            level[inside] = -np.asarray(shapely.distance(shapely.boundary(shape), places[inside]), np.float64)
+            level[inside] = -np.asarray(shapely.distance(made.boundary, places[inside]), np.float64)
         upright = np.maximum(flat[:, 2] - self.high, self.low - flat[:, 2])
         both = np.hypot(np.maximum(level, 0.0), np.maximum(upright, 0.0))
         return np.where((level < 0.0) & (upright < 0.0), np.maximum(level, upright), both).reshape(points.shape[:-1])
 
-    def _shape(self) -> Any:
-        if "made" not in self.__dict__:
-            made = shapely.make_valid(shapely.Polygon(self.ring))
-            shapely.prepare(made)
-            self.__dict__["made"] = made
-        return self.__dict__["made"]
+    def at_least(self, points: Array) -> Array:
+        """The distance (n) of points (n, 3) from the upright box around it, which it is away by at least; 0 within."""
+        low, high = self._made.box
+        off = np.maximum(np.maximum(low - points, points - high), 0.0)
+        return np.sqrt(np.einsum("ni,ni->n", off, off))
+
+    @cached_property
+    def _made(self) -> _Made:
+        shape = shapely.make_valid(shapely.Polygon(self.ring))
+        boundary = shapely.boundary(shape)
+        shapely.prepare([shape, boundary])
+        low, high = self.ring.min(axis=0), self.ring.max(axis=0)
+        return _Made(shape, boundary, (np.append(low, self.low), np.append(high, self.high)))
 
 
-def clearance(prisms: Sequence[Prism], points: Array) -> Array:
-    """The distance (...) of points (..., 3) from the nearest of some prisms; far away where there are none."""
-    nearest = np.full(points.shape[:-1], np.inf)
+class _Made(NamedTuple):
+    """What distances from a prism are measured by: its outline, that one's line, and the lowest and highest corner."""
+
+    shape: Any
+    boundary: Any
+    box: tuple[Array, Array]
+
+
+def clearance(prisms: Sequence[Prism], points: Array, within: float = np.inf) -> Array:
+    """The distance (...) of points (..., 3) from the nearest of some prisms; far away where there are none.
+
+    within: metres beyond which nobody asks for it exactly: what is farther may be told to be anywhere beyond.
+    """
+    flat = points.reshape(-1, 3)
+    nearest = np.full(len(flat), np.inf)
     for prism in prisms:
-        nearest = np.minimum(nearest, prism.signed(points))
-    return nearest
+        away = prism.at_least(flat)
+        near = np.flatnonzero((away < np.minimum(nearest, within)) | (away <= 0.0))
+        if len(near):
+            nearest[near] = np.minimum(nearest[near], prism.signed(flat[near]))
+    return nearest.reshape(points.shape[:-1])
 
 
 def in_the_way(prisms: Sequence[Prism], middle: Array, *ends: Array) -> list[Prism]:
@@ -67,7 +90,7 @@ def in_the_way(prisms: Sequence[Prism], middle: Array, *ends: Array) -> list[Pri
     """
     kept: list[Prism] = []
     for prism in prisms:
-        away = np.maximum(prism.ring.min(axis=0) - middle[:2], middle[:2] - prism.ring.max(axis=0))
-        if np.hypot(*np.maximum(away, 0.0)) < _NEAR and all(prism.signed(end) > 0.0 for end in ends):
+        level = np.append(middle[:2], prism.low)
+        if prism.at_least(level[None])[0] < _NEAR and (clearance([prism], np.stack(ends)) > 0.0).all():
             kept.append(prism)
     return kept

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ahmss.body.arm import Arm, Wrist
+from ahmss.body.arm import Arm, Wrist, wrist_of
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
@@ -60,6 +60,13 @@ class Reacher:
     def wrist(self, grip: Array, spine: tuple[Array, Array]) -> Wrist:
         """Palms (..., 7) in the world as wrist poses of a human whose spine is there, place (..., 3), rotation."""
         return self.arm.seen(*self.hand(grip), spine)
+
+    def palm(self, links: Array, spine: tuple[Array, Array]) -> Array:
+        """The palm (..., 7) in the world of an arm (..., 3, 4) on a spine that is there."""
+        wrist, turned = wrist_of(self.arm, links), multiply(spine[1], self.arm.rotation)
+        rotation, own = multiply(turned, wrist.rotation), self.skeleton.grips[self.row]
+        place = self.shoulder(spine) + rotate(turned, wrist.place) + rotate(rotation, own[:3])
+        return np.concatenate([place, multiply(rotation, own[3:])], axis=-1)
 
     def shoulder(self, spine: tuple[Array, Array]) -> Array:
         """The shoulder's place (..., 3) in the world."""

@@ -29,6 +29,8 @@ _X = np.array([1.0, 0.0, 0.0])
 def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Array, prisms: Sequence[Prism]) -> Array:
     """Metres (..., 13) between the skin of forearm and hand and the nearest thing, negative inside.
 
+    What is farther than the margin is told to be anywhere beyond it.
+
     Args:
         reacher: the arm.
         palms: (..., 7) in the world.
@@ -49,7 +51,8 @@ def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Ar
     forearm = elbow[..., None, :] + _FOREARM * (place - elbow)[..., None, :]
     points, radii = _hand(reacher)
     hand = place[..., None, :] + rotate(rotation[..., None, :], points)
-    return clearance(prisms, np.concatenate([forearm, hand], axis=-2)) - np.concatenate([_RADII, radii])
+    radii = np.concatenate([_RADII, radii])
+    return clearance(prisms, np.concatenate([forearm, hand], axis=-2), MARGIN + float(radii.max())) - radii
 
 
 @lru_cache(maxsize=16)

@@ -73,6 +73,11 @@ class Standing:
                 radians. drop: (n,) metres by which the knees give.
             load: (3,) kilograms times metres by which a reaching arm's weight lies elsewhere than in the base pose.
         """
+        made = self.sketched(turn, lean, toward, drop, load)
+        return Posture(self.on_feet(made.rotations, made.root), made.root)
+
+    def sketched(self, turn: Array, lean: Array, toward: Array, drop: Array, load: Array) -> Posture:
+        """The same sooner, the legs a little off the planted feet: by what the hips were last moved."""
         n = len(turn)
         rotations = np.repeat(self.base.rotations[None], n, axis=0)
         axis = np.stack([-np.sin(toward), np.cos(toward), np.zeros(n)], axis=-1)
@@ -84,22 +89,22 @@ class Standing:
         root = np.repeat(self.base.root[None], n, axis=0)
         root[:, 2] -= drop
         lows, highs = support(self.skeleton, self.feet, self.heading, (_HEEL, _BALL), _ASIDE)
+        ahead = np.array([np.cos(self.heading), np.sin(self.heading)])
         for _ in range(_PASSES):
             root[:, 2] = np.minimum(root[:, 2], self._highest(rotations, root) - drop)
             rotations = self.on_feet(rotations, root)
             centre = centre_of_mass(self.skeleton, rotations, root) + load / self.skeleton.mass.sum()
             place = _level(centre, self.heading)
             off = np.clip(place, lows, highs) - place
-            ahead = np.array([np.cos(self.heading), np.sin(self.heading)])
             root[:, :2] += 1.15 * (off[:, :1] * ahead + off[:, 1:] * np.array([-ahead[1], ahead[0]]))
         root[:, 2] = np.minimum(root[:, 2], self._highest(rotations, root) - drop)
-        return Posture(self.on_feet(rotations, root), root)
+        return Posture(rotations, root)
 
     def on_feet(self, rotations: Array, root: Array) -> Array:
-        """Poses (n, 43, 4) whose legs come to the planted feet."""
-        targets = np.zeros((len(root), 5, 8))
-        targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7] = self.feet
-        targets[:, RIGHT_FOOT : LEFT_FOOT + 1, 7] = 1.0
+        """Poses (..., 43, 4) whose legs come to the planted feet."""
+        targets = np.zeros((*root.shape[:-1], 5, 8))
+        targets[..., RIGHT_FOOT : LEFT_FOOT + 1, :7] = self.feet
+        targets[..., RIGHT_FOOT : LEFT_FOOT + 1, 7] = 1.0
         return solve(self.skeleton, rotations, root, targets)
 
     def _highest(self, rotations: Array, root: Array) -> Array:

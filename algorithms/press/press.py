@@ -11,14 +11,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.reaching import Looking, planned, prisms_of, sides_of
+from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.performing import perform
 from ahmss.reaching.plan import Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
 
@@ -40,14 +39,10 @@ def press(task: HumanTask) -> Iterator[Array]:
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     plan = yield from planned(task, reaching, Goal(task.site.place, palms=palms), gaze, prisms_of(task), BEFORE * out)
     pushed = _pushed(task, plan.palm, out)
-    first = gaze.frames
     if task.length:
         pushed = pushed[np.linspace(0, len(pushed) - 1, min(len(pushed), task.length // 2)).round().astype(int)]
-    length = max(task.length - len(pushed) - first, 1) if task.length else round(plan.seconds * task.rate)
-    time = np.arange(1, length + 1) / length
-    looked = gaze.turned(first + np.arange(1, length + len(pushed) + 1))
     shape = list(fingers(plan.reacher.side)), pointing(plan.reacher.side)
-    made = perform(plan, time, task.site.place, looked, shape, pushed)
+    made = yield from performed(task, reaching, plan, gaze, shape, pushed)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 

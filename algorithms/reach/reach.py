@@ -13,12 +13,12 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.carried import reach_while_carried
-from ahmss.algorithm.reaching import Looking, goal_of, planned, prisms_of
+from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.motion.fingers import opened
-from ahmss.reaching.performing import Fingers, perform
+from ahmss.reaching.performing import Fingers
 from ahmss.reaching.plan import Reaching
 
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
@@ -36,12 +36,7 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     gaze = Looking(task, goal.place)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     plan = yield from planned(task, reaching, goal, gaze, prisms_of(task))
-    first = gaze.frames
-    length = task.length or first + round(plan.seconds * task.rate)
-    time = np.arange(1, length - first + 1) / (length - first)
-    made = perform(
-        plan, time, goal.place, gaze.turned(np.arange(first + 1, length + 1)), _shape(task, plan.reacher.side)
-    )
+    made = yield from performed(task, reaching, plan, gaze, _shape(task, plan.reacher.side))
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.reaching import Looking, planned, prisms_of, sides_of
+from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
@@ -22,7 +22,7 @@ from ahmss.grasping.holding import Holding, opener
 from ahmss.grasping.precision import precision
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.performing import Performed, perform
+from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Reaching
 from ahmss.reaching.pointing import palms_pointing
 
@@ -62,12 +62,10 @@ def turn(task: HumanTask) -> Iterator[Array]:
     palm = Transform(plan.palm[:3] + BEFORE * into, plan.palm[3:])
     _, holding = grips[side]
     then, closed = _turned(task, lever, palm, into)
-    first = gaze.frames
-    length = max(task.length - len(then) - first, 1) if task.length else round(plan.seconds * task.rate)
-    looked = gaze.turned(first + np.arange(1, length + len(then) + 1))
     wide = opener(Hand.of(task.human, side), holding)
     links = list(fingers(side))
-    made = perform(plan, np.arange(1, length + 1) / length, lever.site.place, looked, (links, wide), then)
+    made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
+    length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
     yield _rows(task, made)
     yield _back(task, made, length, plan.reacher.links)

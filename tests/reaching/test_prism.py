@@ -34,3 +34,18 @@ def test_what_a_hand_comes_into_or_is_in_is_not_in_its_way() -> None:
     assert in_the_way([BLOCK], here, over) == [BLOCK]
     assert in_the_way([BLOCK], here, over, inside) == []
     assert in_the_way([BLOCK], np.array([-2.0, 0.0]), over) == []
+
+
+def test_distances_are_exact_where_they_are_asked_for() -> None:
+    """A box around each block spares the looking; where one is in two blocks, the deeper counts."""
+    random = np.random.default_rng(3)
+    turned = Prism(SQUARE @ np.array([[0.8, 0.6], [-0.6, 0.8]]) - np.array([0.0, 1.0]), 0.2, 0.7)
+    points = random.uniform((-2.0, -2.0, -0.5), (4.0, 3.0, 1.5), (2000, 3))
+    exact = np.minimum(BLOCK.signed(points), turned.signed(points))
+    assert ((BLOCK.signed(points) < 0.0) & (turned.signed(points) < 0.0)).sum() > 20
+    np.testing.assert_allclose(clearance([BLOCK, turned], points), exact)
+    for prism in (BLOCK, turned):
+        assert (prism.at_least(points) <= np.maximum(prism.signed(points), 0.0) + 1e-12).all()
+    told = clearance([BLOCK, turned], points, 0.1)
+    np.testing.assert_allclose(told[exact < 0.1], exact[exact < 0.1])
+    assert (told[exact >= 0.1] >= 0.1).all()
