@@ -31,6 +31,9 @@ Keys = Annotated[Path | None, typer.Option("--keys", metavar="DIR", help="Keys f
 Workspace = Annotated[
     Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with objectdb/; left out: found.")
 ]
+Port = Annotated[
+    str, typer.Option("--port", metavar="[HOST:]PORT", help="Let human models in here, as at 7427; left out: nowhere.")
+]
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
 
 
@@ -93,12 +96,13 @@ def up(
     body: Annotated[str, typer.Option(help="Which body of humandb; left out: of that name.")] = "",
     scene: Annotated[str, typer.Option(help="A kind of object to add at first; empty: none.")] = "room",
     address: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where the server listens.")] = "",
+    port: Port = "",
     workspace: Workspace = None,
 ) -> None:
     """Server, viewer and main on this machine, with the console. Example: ahmss up --human aiko --body aiko"""
     from ahmss.main.up import run_up
 
-    if run_up(human, body, scene, address, workspace):
+    if run_up(human, body, scene, address, workspace, port):
         raise typer.Exit(1)
 
 
@@ -136,6 +140,13 @@ def main_process(
     seed: Annotated[int, typer.Option(help="For whatever is random.")] = 0,
     lockstep: Annotated[bool, typer.Option(hidden=True)] = False,
     stay: Annotated[bool, typer.Option(help="Leave the body standing when the script is over.")] = False,
+    port: Port = "",
+    port_keys: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Keys of the port, for human models on other machines.")
+    ] = None,
+    console: Annotated[
+        bool, typer.Option("--console/--no-console", help="Without: moved through its port alone, until interrupted.")
+    ] = True,
     as_json: Json = False,
     workspace: Workspace = None,
 ) -> None:
@@ -157,6 +168,9 @@ def main_process(
         seed=seed,
         stay=stay,
         as_json=as_json,
+        port=port,
+        port_keys=port_keys,
+        console=console,
     )
     raise typer.Exit(1 if failures else 0)
 

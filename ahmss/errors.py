@@ -8,6 +8,10 @@
     |- ProtocolError     bytes that the algorithm or world protocol does not allow
     |- WorldError        the virtual-space server refused, with its reason
     |  `- Unreachable    no server answers at that address
+    |- PortError         a human model and the main that moves its human
+    |  |- PortRefused    the main refused a request, with its reason
+    |  |- ActionFailed   what was accepted failed or was given up, with the reason
+    |  `- NoAnswer       no main answers at that address
     |- DependencyError   something the machine lacks, with the command that mends it
     `- ShapeError        arrays whose shapes disagree (also a ValueError)
 
@@ -19,11 +23,15 @@ from __future__ import annotations
 from pathlib import Path
 
 __all__ = [
+    "ActionFailed",
     "AhmssError",
     "AlgorithmError",
     "CommandError",
     "DataError",
     "DependencyError",
+    "NoAnswer",
+    "PortError",
+    "PortRefused",
     "ProtocolError",
     "ShapeError",
     "Unreachable",
@@ -69,6 +77,22 @@ class WorldError(AhmssError):
 
 class Unreachable(WorldError):
     """No server answers at the address."""
+
+
+class PortError(AhmssError):
+    """Something between a human model and a main."""
+
+
+class PortRefused(PortError):
+    """The main refused a request; the message is its reason."""
+
+
+class ActionFailed(PortError):
+    """What was accepted failed, or was given up; the message says why."""
+
+
+class NoAnswer(PortError):
+    """No main answers at the address."""
 
 
 class DependencyError(AhmssError):

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import operator
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
 
 from ahmss.errors import AhmssError, CommandError, WorldError
 from ahmss.main.aside import aside, at_once
 from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
-from ahmss.main.database import Order, find_object
+from ahmss.main.comparing import Comparison
+from ahmss.main.database import find_object
+from ahmss.main.joined import longest, refuse_two_carriers, title
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest
@@ -21,29 +22,45 @@ from ahmss.world.schema import Request
 if TYPE_CHECKING:
     from ahmss.main.process import MainProcess, Setup
 
-__all__ = ["Agenda"]
+__all__ = ["Agenda", "Follower"]
 
-_OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
-    "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
-}  # fmt: skip
+
+class Follower(Protocol):
+    """Is told what becomes of each line, in the frame loop."""
+
+    def began(self, step: Step) -> None:
+        """It is being carried out."""
+        ...
+
+    def ended(self, step: Step, *, failed: bool) -> None:
+        """It is over; what went wrong was said before."""
+        ...
+
+    def dropped(self, step: Step) -> None:
+        """It was given up, begun or not."""
+        ...
 
 
 class Agenda:
     """What the human is to do next. `add` may be called from any thread, the rest belongs to the frame loop.
 
-    `said` is told what came of a line that is not a motion (`cup_2 is in the world`).
+    `said` is told what came of a line that is not a motion (`cup_2 is in the world`), `follower` what of every line.
     """
 
     def __init__(self, main: MainProcess, setup: Setup) -> None:
         self._main, self._setup = main, setup
         self._steps: deque[Step] = deque()
+        self._dropped: deque[Step] = deque()
         self._waits: Callable[[], bool] | None = None
         self._lock = threading.Lock()
         self._unfinished = 0
         self._cut = False
         self._doing = ""
         self._failures = 0
+        self._now: Step | None = None
+        self._wrong = self._wrong_before = 0
         self.said: Callable[[str], None] = _keep_quiet
+        self.follower: Follower | None = None
 
     @property
     def done(self) -> bool:
@@ -64,22 +81,62 @@ class Agenda:
     def clear(self) -> None:
         """Forget all lines; the present motion stops with the next frame. What is added after this is carried out."""
         with self._lock:
+            self._dropped += self._steps
             self._steps.clear()
             self._cut, self._unfinished = True, 1
+
+    def drop(self, step: Step) -> None:
+        """Give up one line: the present one stops now, one that waits never begins. The others go on."""
+        with self._lock:
+            if step in self._steps:
+                self._steps.remove(step)
+                self._dropped.append(step)
+        if step is self._now:
+            self._break_off()
+        self._tell_of_the_dropped()
+        self._count()
 
     def step(self) -> None:
         """Go on with the next lines, until one takes time."""
         if self._cut:
-            self._cut, self._waits, self._doing = False, None, ""
-            self._main.control.stop()
+            self._cut = False
+            self._break_off()
+        self._tell_of_the_dropped()
         self._tell_of_the_end()
-        while not self._busy() and self._steps:
-            step = self._steps.popleft()
+        while not self._busy():
+            self._settle()
+            if not self._steps:
+                break
+            self._now = step = self._steps.popleft()
+            self._wrong_before = self._wrong + self._main.control.failures
+            if self.follower is not None:
+                self.follower.began(step)
             try:
                 self._carry_out(step)
             except AhmssError as error:
                 self._trouble(step, error)
         self._count()
+
+    def _break_off(self) -> None:
+        """The present line ends here."""
+        self._waits, self._doing = None, ""
+        self._main.control.stop()
+        if self._now is not None:
+            self._dropped.append(self._now)
+            self._now = None
+
+    def _settle(self) -> None:
+        """The present line, if there is one, is over."""
+        step, self._now = self._now, None
+        if step is not None and self.follower is not None:
+            failed = self._wrong + self._main.control.failures > self._wrong_before
+            self.follower.ended(step, failed=failed)
+
+    def _tell_of_the_dropped(self) -> None:
+        while self._dropped:
+            step = self._dropped.popleft()
+            if self.follower is not None:
+                self.follower.dropped(step)
 
     def _tell_of_the_end(self) -> None:
         """Say once that the motions of the last line are over; of those that failed that was said already."""
@@ -131,11 +188,11 @@ class Agenda:
         main = self._main
         actor = main.actor
         orders = [main.database.order(act, main.communication, actor) for act in line.acts]
-        _refuse_two_carriers(orders)
+        refuse_two_carriers(orders)
         main.control.begin(orders)
-        seconds = _longest(orders) / self._setup.rate
+        seconds = longest(orders) / self._setup.rate
         known = all(order.frames for order in orders)
-        self._doing, self._failures = _title(orders), main.control.failures
+        self._doing, self._failures = title(orders), main.control.failures
         self.said(f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs")
 
     def _wait(self, line: Wait) -> None:
@@ -145,21 +202,9 @@ class Agenda:
             end = self._main.report.frames + frames
             self._waits = lambda: self._main.report.frames < end
             return
-        scene = self._main.communication
-        name = find_object(scene, line.object)
-        states = scene.objects[name].states
-        if line.state not in states:
-            raise CommandError(f'{name} has no state "{line.state}"; it has: {", ".join(states) or "none"}')
-        compare = _OPERATORS[line.operator]
-
-        def waits() -> bool:
-            record = scene.objects.get(name)
-            value = None if record is None else record.states.get(line.state)
-            if isinstance(value, str) != isinstance(line.value, str):
-                return line.operator != "!="
-            return not compare(value, line.value)
-
-        self._waits = waits
+        main = self._main
+        comparison = Comparison(main.workspace, main.communication, line.object, line.state, line.operator, line.value)
+        self._waits = lambda: not comparison.holds
 
     def _add(self, line: Add, step: Step) -> None:
         """Shapes are read and sent in a thread, so that the body stays alive; in lockstep at once."""
@@ -228,40 +273,12 @@ class Agenda:
         self._waits = waits
 
     def _trouble(self, step: Step, error: AhmssError) -> None:
+        self._wrong += 1
         self._main.trouble(f"{step.where}: {error}" if step.where else str(error))
 
     def _check_name(self, human: str) -> None:
         if human not in ("", self._setup.human):
             raise CommandError(f"this main moves {self._setup.human}, not {human}")
-
-
-def _refuse_two_carriers(orders: Sequence[Order]) -> None:
-    """Of motions made together one may take the body elsewhere: the feet would slide between two.
-
-    Raises:
-        CommandError: names the two.
-    """
-    titles = [order.title for order in orders if order.human_algorithm.carries]
-    if len(titles) > 1:
-        raise CommandError(
-            f"{titles[0]} with {titles[1]}: each takes the body its own way, and only one can at a time; "
-            "do one after the other, each in a line of its own"
-        )
-
-
-def _title(orders: Sequence[Order]) -> str:
-    """How the console calls motions made together and one after the other."""
-    joined = [(" then " if order.act.follows else " with ") + order.title for order in orders]
-    return "".join(joined).removeprefix(" with ")
-
-
-def _longest(orders: Sequence[Order]) -> int:
-    """Frames until the last of them is over."""
-    ends: list[int] = []
-    for order in orders:
-        before = ends.pop() if order.act.follows else 0
-        ends.append(before + order.after + order.frames)
-    return max(ends)
 
 
 def _keep_quiet(text: str) -> None:

@@ -187,6 +187,8 @@ def run_console(setup: Setup, first: Sequence[Line] = ()) -> int:
 
             terminal = PersonsTerminal(_history())
         terminal.say(f"{setup.human} is in the world on {main.communication.client.address}; type help for help")
+        if main.port is not None:
+            terminal.say(f"human models reach {setup.human} at {main.port.address}")
         Console(main, terminal, waits=not on_terminal).run(first)
     finally:
         main.close()

@@ -78,6 +78,11 @@ class Control:
         """The orders whose motions have a frame in this blend, and what they give to it."""
         return [(motion.order, motion.given) for motion in self._motions if motion.given is not None]
 
+    @property
+    def progress(self) -> list[tuple[str, int, int]]:
+        """Each motion's title, the frame that was asked for last, and its last frame (0: it says itself)."""
+        return [(motion.order.title, motion.k, motion.last) for motion in self._motions]
+
     def begin(self, orders: Sequence[Order]) -> None:
         """Make these motions together, each after its own delay, or after the one that it follows."""
         for order in orders:

@@ -19,8 +19,10 @@ from ahmss.main.control import Control
 from ahmss.main.database import Actor, Database
 from ahmss.main.layout import Layout
 from ahmss.main.pace import Pace
+from ahmss.main.port import HumanModelPort
 from ahmss.main.script import Step
 from ahmss.main.stance import standing
+from ahmss.world.address import Address
 from ahmss.world.client import WorldClient
 from ahmss.world.keys import ClientKeys
 
@@ -38,6 +40,7 @@ class Setup:
 
     lockstep: the server waits for every main each frame, and a motion that is late is waited for; so no frame is lost.
     fast: lockstep without a clock.
+    port: where human models reach this main, None: nowhere. port_keys: what that needs beyond loopback.
     """
 
     human: str
@@ -53,6 +56,8 @@ class Setup:
     group: str = ""
     names: tuple[str, ...] = ()
     keys: ClientKeys | None = None
+    port: Address | None = None
+    port_keys: Path | None = None
 
 
 @dataclass
@@ -92,6 +97,7 @@ class MainProcess:
         self.workspace = Workspace.find(setup.workspace)
         self.database = Database(self.workspace)
         model = self.database.human(setup.body, setup.human)
+        self.body = model.name
         rotations, root = standing(model, setup.place, setup.facing_deg)
         deadlines = Deadlines(frame=_FAST_PATIENCE) if setup.fast else Deadlines()
         self._client = WorldClient(setup.server, keys=setup.keys, follow=not setup.lockstep)
@@ -119,6 +125,13 @@ class MainProcess:
             self._patience = _FAST_PATIENCE + 1.0 if setup.fast else _LOCKSTEP_PATIENCE
         self.control.see(self.blending)
         self._connected = True
+        self.port: HumanModelPort | None = None
+        if setup.port is not None:
+            try:
+                self.port = HumanModelPort(self, setup.port, setup.port_keys)
+            except AhmssError:
+                self.close()
+                raise
 
     @property
     def actor(self) -> Actor:
@@ -131,6 +144,8 @@ class MainProcess:
         if self.agenda.asks_the_world or self.control.starts:
             self.communication.update(complete=True)
         self._listen()
+        if self.port is not None:
+            self.port.serve()
         self.agenda.step()
         self.control.start_due()
         self.control.collect_humans(self._patience)
@@ -172,6 +187,8 @@ class MainProcess:
 
     def close(self, *, stay: bool = False) -> None:
         """Leave the world and end all processes."""
+        if self.port is not None:
+            self.port.close()
         self.control.close()
         self.communication.leave(stay=stay)
         self._client.close()

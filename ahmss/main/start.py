@@ -12,6 +12,7 @@ from pathlib import Path
 from ahmss.errors import CommandError
 from ahmss.main.process import MainProcess, Report, Setup
 from ahmss.main.script import Step, read_script
+from ahmss.port.address import address_of
 
 __all__ = ["start_main"]
 
@@ -19,7 +20,7 @@ __all__ = ["start_main"]
 def start_main(
     human: str, body: str, place: tuple[float, float], facing_deg: float, server: str, keys: Path | None,
     script: Path | None, group: str, workspace: Path | None, *, fast: bool, lockstep: bool, seed: int,
-    stay: bool, as_json: bool,
+    stay: bool, as_json: bool, port: str = "", port_keys: Path | None = None, console: bool = True,
 ) -> int:  # fmt: skip
     """Run one main to its end; returns how many things went wrong.
 
@@ -32,8 +33,13 @@ def start_main(
 
         client_keys = read_client(keys)
     setup = Setup(
-        human, body, place, facing_deg, server, workspace, fast, lockstep, seed, group=group, keys=client_keys
+        human, body, place, facing_deg, server, workspace, fast, lockstep, seed, group=group, keys=client_keys,
+        port=address_of(port) if port else None, port_keys=port_keys,
     )  # fmt: skip
+    if fast and port:
+        raise CommandError("--fast has no clock for a human model to go by; leave it out, or --port")
+    if script is None and not console:
+        return _serve(setup, as_json=as_json)
     if script is None:
         from ahmss.main.console import run_console
 
@@ -43,6 +49,29 @@ def start_main(
     if as_json:
         print(json.dumps(dataclasses.asdict(report)), flush=True)
     return report.failures
+
+
+def _serve(setup: Setup, *, as_json: bool) -> int:
+    """A main without a console, moved through its port until it is interrupted or terminated."""
+    if setup.port is None:
+        raise CommandError("a main without a console is moved through its port; name one: --port 7427")
+
+    def say(text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    main = MainProcess(setup, say)
+    assert main.port is not None
+    said = {"human": setup.human, "port": str(main.port.address), "server": str(main.communication.client.address)}
+    print(json.dumps(said) if as_json else f"human models reach {said['human']} at {said['port']}", flush=True)
+    main.agenda.said = say
+    try:
+        main.run(lambda: False)
+    except KeyboardInterrupt:
+        say("stopped")
+    finally:
+        main.close()
+    return 0
 
 
 def _part(path: Path, setup: Setup) -> tuple[deque[Step], Setup]:

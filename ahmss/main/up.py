@@ -14,6 +14,7 @@ from ahmss.main.command import Add
 from ahmss.main.console import run_console
 from ahmss.main.demo import has_display
 from ahmss.main.process import Setup
+from ahmss.port.address import address_of
 from ahmss.world.address import Address, parse
 from ahmss.world.ports import check_host, free_port, is_taken
 from ahmss.world.process import ServerProcess
@@ -72,7 +73,7 @@ class KeptServer:
                 print(f"{error}; tried {failed} times of {_TRIES}", flush=True)
 
 
-def run_up(human: str, body: str, scene: str, address: str, workspace: Path | None) -> int:
+def run_up(human: str, body: str, scene: str, address: str, workspace: Path | None, port: str = "") -> int:
     """Run all until the console is left; returns how many things went wrong.
 
     Raises:
@@ -85,7 +86,8 @@ def run_up(human: str, body: str, scene: str, address: str, workspace: Path | No
         else:
             print(f"no display for a window; pictures: ahmss view --server {server.address} --snapshot picture.png")
         first = [Add(scene)] if scene else []
-        return run_console(Setup(human, body, server=server.address, workspace=workspace), first)
+        reached = address_of(port) if port else None
+        return run_console(Setup(human, body, server=server.address, workspace=workspace, port=reached), first)
 
 
 def _server(address: Address) -> KeptServer:
