@@ -140,6 +140,7 @@ def main_process(
     seed: Annotated[int, typer.Option(help="For whatever is random.")] = 0,
     lockstep: Annotated[bool, typer.Option(hidden=True)] = False,
     stay: Annotated[bool, typer.Option(help="Leave the body standing when the script is over.")] = False,
+    scene: Annotated[str, typer.Option(help="A kind of object to add at first; left out: none.")] = "",
     port: Port = "",
     port_keys: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Keys of the port, for human models on other machines.")
@@ -171,6 +172,7 @@ def main_process(
         port=port,
         port_keys=port_keys,
         console=console,
+        scene=scene,
     )
     raise typer.Exit(1 if failures else 0)
 
@@ -224,6 +226,7 @@ def view(
         tuple[float, float, float] | None, typer.Option(metavar="X Y Z", help="What it looks at, metres.")
     ] = None,
     follow: Annotated[str, typer.Option(metavar="HUMAN", help="Keep this human in the middle.")] = "",
+    eyes: Annotated[str, typer.Option(metavar="HUMAN", help="What this human sees; in files only.")] = "",
     names: Annotated[bool, typer.Option(help="Write names into the picture.")] = False,
     request: Annotated[bool, typer.Option(help="Ask for each world, as the thesis's viewer did.")] = False,
     seconds: Annotated[float | None, typer.Option(help="Stop after so long.")] = None,
@@ -237,9 +240,38 @@ def view(
     options = ViewOptions(
         address=server, keys=keys, replay=replay, headless=headless, record=record, snapshot=snapshot, sheet=sheet,
         every=every, size=_size(size), request=request, camera=camera, position=position, look_at=look_at,
-        follow=follow, at=at, seconds=seconds, names=names,
+        follow=follow, eyes=eyes, at=at, seconds=seconds, names=names,
     )  # fmt: skip
     watch(options, as_json=as_json)
+
+
+@app.command()
+def mcp(
+    port: Annotated[
+        str, typer.Option("--port", metavar="[HOST:]PORT", help="The port of a main; left out: 7427 of this machine.")
+    ] = "",
+    keys: Annotated[Path | None, typer.Option(metavar="DIR", help="Keys for a main on another machine.")] = None,
+    scene: Annotated[
+        str, typer.Option(metavar="KIND", help="Start a world of its own with this in it, as room; left out: --port.")
+    ] = "",
+    human: Annotated[str, typer.Option(help="With --scene: the human's name.")] = "ken",
+    body: Annotated[str, typer.Option(help="With --scene: which body of humandb; left out: of that name.")] = "",
+    at: Annotated[tuple[float, float], typer.Option(metavar="X Y", help="With --scene: where it stands.")] = (0.0, 0.0),
+    facing: Annotated[float, typer.Option(help="With --scene: its heading, degrees.")] = 0.0,
+    address: Annotated[
+        str, typer.Option(metavar="HOST:PORT", help="With --scene: where its server listens; left out: a free port.")
+    ] = "127.0.0.1:0",
+    server: Annotated[
+        str, typer.Option(metavar="HOST[:PORT]", help="The world, for pictures; left out: where the main says.")
+    ] = "",
+    server_keys: Annotated[Path | None, typer.Option(metavar="DIR", help="Keys for that server.")] = None,
+    workspace: Workspace = None,
+) -> None:
+    """Let a language model move a human, by the Model Context Protocol. Example: ahmss mcp --scene room"""
+    from ahmss.mind.serve import Own, serve
+
+    own = Own(scene, human, body, at, facing, address, workspace) if scene else None
+    serve(port, keys, server, server_keys, own)
 
 
 @app.command("list")

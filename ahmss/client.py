@@ -141,6 +141,13 @@ class Client:
         """Give up everything that this human does or is to do; what it holds stays in its hand."""
         self._ask(schema.Stop(), schema.Done)
 
+    def pause(self, seconds: float) -> None:
+        """Let seconds of the world pass; frames are counted, not the clock here."""
+        end = self.me()
+        frames = end.frame + round(seconds * end.rate)
+        while (left := (frames - self.me().frame) / end.rate) > 0.0:
+            time.sleep(min(left, _SLICE))
+
     # What comes of it
 
     def wait_until(

@@ -119,7 +119,8 @@ class Answering:
         at = scene.pose(name)[:3]
         distance, direction = _way(at, place, facing)
         return Thing(
-            name, record.kind, sentence, _three(at), distance, direction, view.sees(name), dict(record.states),
+            name, record.kind, sentence, _three(at), distance, direction,
+            bool(record.shape) and view.sees(name), dict(record.states),
             record.holder, record.hand, record.parent if record.attached else "",
         )  # fmt: skip
 

@@ -1,8 +1,8 @@
 """What a human can see: what is before its eyes, and behind nothing.
 
 An object is seen if one of nine points of it (the middle of its box, and eight more inside) lies within 60 degrees of
-where the head faces, and no face of another object is between it and the point between the eyes. Humans hide nothing,
-nor does what has no shape. How far away and how well lit it is does not count.
+where the head faces, and no face of another object is between it and the point between the eyes. Humans hide nothing;
+what has no shape is not seen and hides nothing. How far away and how well lit it is does not count.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from collections import deque
 from pathlib import Path
 
 from ahmss.errors import CommandError
+from ahmss.main.command import Add, Line
 from ahmss.main.process import MainProcess, Report, Setup
 from ahmss.main.script import Step, read_script
 from ahmss.port.address import address_of
@@ -21,6 +22,7 @@ def start_main(
     human: str, body: str, place: tuple[float, float], facing_deg: float, server: str, keys: Path | None,
     script: Path | None, group: str, workspace: Path | None, *, fast: bool, lockstep: bool, seed: int,
     stay: bool, as_json: bool, port: str = "", port_keys: Path | None = None, console: bool = True,
+    scene: str = "",
 ) -> int:  # fmt: skip
     """Run one main to its end; returns how many things went wrong.
 
@@ -38,12 +40,13 @@ def start_main(
     )  # fmt: skip
     if fast and port:
         raise CommandError("--fast has no clock for a human model to go by; leave it out, or --port")
+    first: list[Line] = [Add(scene)] if scene else []
     if script is None and not console:
-        return _serve(setup, as_json=as_json)
+        return _serve(setup, first, as_json=as_json)
     if script is None:
         from ahmss.main.console import run_console
 
-        return run_console(setup)
+        return run_console(setup, first)
     steps, setup = _part(script, setup)
     report = _carry_out(setup, steps, stay=stay or len(setup.names) > 1)
     if as_json:
@@ -51,7 +54,7 @@ def start_main(
     return report.failures
 
 
-def _serve(setup: Setup, *, as_json: bool) -> int:
+def _serve(setup: Setup, first: list[Line], *, as_json: bool) -> int:
     """A main without a console, moved through its port until it is interrupted or terminated."""
     if setup.port is None:
         raise CommandError("a main without a console is moved through its port; name one: --port 7427")
@@ -62,9 +65,14 @@ def _serve(setup: Setup, *, as_json: bool) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     main = MainProcess(setup, say)
     assert main.port is not None
+    main.agenda.said = say
+    try:
+        _set_the_scene(main, first)
+    except BaseException:
+        main.close()
+        raise
     said = {"human": setup.human, "port": str(main.port.address), "server": str(main.communication.client.address)}
     print(json.dumps(said) if as_json else f"human models reach {said['human']} at {said['port']}", flush=True)
-    main.agenda.said = say
     try:
         main.run(lambda: False)
     except KeyboardInterrupt:
@@ -72,6 +80,15 @@ def _serve(setup: Setup, *, as_json: bool) -> int:
     finally:
         main.close()
     return 0
+
+
+def _set_the_scene(main: MainProcess, first: list[Line]) -> None:
+    """Carry these lines out before anybody is let in. CommandError: one can't be."""
+    for line in first:
+        main.agenda.add(Step(line, 0, ""))
+    main.run(lambda: main.agenda.done)
+    if main.report.failures:
+        raise CommandError(main.report.messages[-1])
 
 
 def _part(path: Path, setup: Setup) -> tuple[deque[Step], Setup]:

@@ -9,6 +9,7 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss_viewer.camera import View, look_at
 from ahmss_viewer.choosing import best_view, clear_preset
+from ahmss_viewer.eyes import view_of
 from ahmss_viewer.framing import Follower, Interest, interest
 from ahmss_viewer.options import ViewOptions
 from ahmss_viewer.painter import Painter
@@ -69,6 +70,9 @@ class Aim:
         moments: Iterable[Interest] | None = None,
     ) -> View:
         """Choose the view; `wanted` is what is known of the whole motion, else what is on the stage now counts."""
+        if self.options.eyes:
+            self.view = view_of(stage, self.options.eyes, self.options.look_at)
+            return self.view
         options, aspect = self.options, self.options.size[0] / self.options.size[1]
         wanted = wanted or interest(stage, options.follow)
         if wanted is None:
@@ -83,6 +87,9 @@ class Aim:
 
     def step(self, stage: Stage, seconds: float, *, whole: bool = False) -> View:
         """The view a moment later: it follows whom it should; a view made for the `whole` motion stays."""
+        if self.options.eyes and stage.actors:
+            self.view = view_of(stage, self.options.eyes, self.options.look_at)
+            return self.view
         view = self.view if self.view is not None else View()
         fixed = self.options.position is not None or self.options.look_at is not None or self.options.camera != "auto"
         if self.options.follow or not (whole or fixed):

@@ -122,7 +122,7 @@ class Mirror:
         surfaces = self._load(record)
         if not any(surface.skin is not None for surface in surfaces):
             surfaces = plain_figure(skeleton)
-        self.stage.add_human(record.id, record.name, skeleton.offsets, surfaces)
+        self.stage.add_human(record.id, record.name, skeleton.offsets, surfaces, skeleton.eye)
 
     def _load(self, record: ObjectRecord | HumanRecord) -> tuple[Surface, ...]:
         """Surfaces of a shape with its texture, read once for all that share them; none where there is no shape."""

@@ -35,6 +35,7 @@ class ViewOptions:
         camera: one of CAMERAS, seen from the first human; "auto" finds a view that shows what happens.
         position, look_at: the camera's place, and what it looks at, metres; each may stand alone.
         follow: the name of a human to keep in the middle.
+        eyes: the name of a human whose eyes are the camera; at `look_at`, or where its head faces. Not in a window.
         at: seconds from the recording's start, of the snapshot.
         seconds: stop after so long (live: since the start; a recording: of its own time).
         rate: pictures a second of the MP4; 0 is the recording's own, or 30 live.
@@ -57,6 +58,7 @@ class ViewOptions:
     position: tuple[float, float, float] | None = None
     look_at: tuple[float, float, float] | None = None
     follow: str = ""
+    eyes: str = ""
     at: float | None = None
     seconds: float | None = None
     rate: float = 0.0

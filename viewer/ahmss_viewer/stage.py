@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import to_matrix
 from ahmss_viewer.batch import Batch, open_image
 from ahmss_viewer.still import Merged
@@ -27,8 +28,8 @@ _REST = 30  # pictures without a movement after which an object is merged again
 class Actor:
     """A human on the stage.
 
-    offsets (43, 3): as its skeleton has them. places (43, 3): its joints in the world. facing (3,): where its hips
-    point, level.
+    offsets (43, 3), eye (3,): as its skeleton has them. head (4,): the rotation of its head, world <- head.
+    places (43, 3): its joints in the world. facing (3,): where its hips point, level.
     """
 
     id: int
@@ -39,6 +40,8 @@ class Actor:
     node: pyrender.Node
     places: Array = field(default_factory=lambda: np.zeros((43, 3)))
     facing: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
+    eye: Array = field(default_factory=lambda: np.zeros(3))
+    head: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
 
 
 class Stage:
@@ -115,14 +118,18 @@ class Stage:
 
     # humans
 
-    def add_human(self, number: int, name: str, offsets: Array, surfaces: Sequence[Surface]) -> None:
-        """Put a human on the stage: surfaces with skins, offsets (43, 3) of its skeleton."""
+    def add_human(
+        self, number: int, name: str, offsets: Array, surfaces: Sequence[Surface], eye: Array | None = None
+    ) -> None:
+        """Put a human on the stage: surfaces with skins, offsets (43, 3) and eye (3,) of its skeleton."""
         self.remove_human(number)
         skins = [surface.skin for surface in surfaces if surface.skin is not None]
         batches = tuple(Batch.of(s, self._texture(s.image)) for s in surfaces if s.skin is not None)
         binds = skins[0].inverse_binds if skins else np.broadcast_to(np.eye(4), (43, 4, 4))
         node = self.scene.add(pyrender.Mesh(list(batches), name=name))
-        self.actors[number] = Actor(number, name, np.asarray(offsets, float), batches, np.asarray(binds, float), node)
+        actor = Actor(number, name, np.asarray(offsets, float), batches, np.asarray(binds, float), node)
+        actor.eye = np.zeros(3) if eye is None else np.asarray(eye, float)
+        self.actors[number] = actor
 
     def remove_human(self, number: int) -> None:
         """Take a human off the stage."""
@@ -136,6 +143,7 @@ class Stage:
         """Pose a human: rotations (43, 4), root (3,), as everywhere."""
         actor = self.actors[number]
         actor.places, world = forward(np.asarray(rotations, float), np.asarray(root, float), actor.offsets)
+        actor.head = world[INDEX["head"]]
         T_world_link = np.zeros((43, 4, 4))
         T_world_link[:, :3, :3], T_world_link[:, :3, 3], T_world_link[:, 3, 3] = to_matrix(world), actor.places, 1.0
         ahead = -T_world_link[0, :3, 2] * np.array([1.0, 1.0, 0.0])
