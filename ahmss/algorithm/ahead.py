@@ -34,7 +34,10 @@ def learn(request: Request) -> bool:
     What can't be read is left for the worker to stumble over, which has somebody to tell.
     """
     news = False
-    for path, frames in ((request.argv[0], 0), *((clip, request.frames) for clip in request.clips)):
+    for path, frames in (
+        *((path, 0) for path in request.argv[:1]),
+        *((clip, request.frames) for clip in request.clips),
+    ):
         with contextlib.suppress(OSError):
             stamp = (path, Path(path).stat().st_mtime_ns, frames)
             if stamp not in _learned:

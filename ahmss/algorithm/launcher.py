@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import select
 import sys
 import time
@@ -110,8 +111,21 @@ class Launcher:
         What can't be read is told when it is started.
         """
         script = _script(entry)
-        if self._pool is not None and script is not None:
-            request = Request(script, str(entry.directory), (str(motion),), ahead=True)
+        if script is not None:
+            self._send(Request(script, str(entry.directory), (str(motion),), ahead=True))
+
+    def foresee(self, root: Path, kinds: Iterable[str]) -> None:
+        """Have a process of the pool make, as nothing else is to be done, what hands will ask of the shapes of objects.
+
+        Args:
+            root: the workspace's folder.
+            kinds: of the objects.
+        """
+        self._send(Request((), str(root), ahead=True, kinds=tuple(kinds), cache=os.environ.get("XDG_CACHE_HOME", "")))
+
+    def _send(self, request: Request) -> None:
+        """Ask the pool for what nobody waits for."""
+        if self._pool is not None:
             with contextlib.suppress(OSError, AhmssError):
                 self._pool.send(msgspec.json.encode(request))
 

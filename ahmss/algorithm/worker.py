@@ -12,6 +12,7 @@ import signal
 import socket
 import sys
 import types
+from pathlib import Path
 from typing import NoReturn
 
 import msgspec
@@ -73,10 +74,21 @@ def serve(listener: socket.socket, pool: socket.socket) -> NoReturn:
                 taken = _take(listener, pool, own)
                 if taken is not None:
                     if taken.ahead:
-                        os._exit(0)  # the pool has been told what it is to read
+                        _foresee(taken)  # the pool has been told what it is to read
                     events.close()
                     os.closerange(3, 1 << 16)
                     become(taken.argv, taken.directory)
+
+
+def _foresee(request: Request) -> NoReturn:
+    """Make what will be asked for, so that it is there then. Does not return."""
+    if request.kinds:
+        from ahmss.algorithm.foresight import make_fields  # it brings the databases, which no motion needs
+
+        os.environ["XDG_CACHE_HOME"] = request.cache
+        with contextlib.suppress(Exception):
+            make_fields(Path(request.directory), request.kinds)
+    os._exit(0)
 
 
 def _take(listener: socket.socket, pool: socket.socket, own: int) -> Request | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -102,6 +102,10 @@ class Control:
         for mover in granted:
             if held is not None and mover.name not in held:
                 self._give_up(mover)
+
+    def foresee(self, kinds: Iterable[str]) -> None:
+        """Have what hands will ask of the shapes of some kinds made, where it is not kept yet, beside all else."""
+        self._launcher.foresee(self._database.workspace.root, kinds)
 
     def close(self) -> None:
         """End all processes."""

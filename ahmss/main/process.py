@@ -31,6 +31,7 @@ __all__ = ["MainProcess", "Report", "Setup"]
 _FAST_PATIENCE = 10.0  # seconds that `--fast` waits for a frame
 _LOCKSTEP_PATIENCE = 0.5  # seconds that lockstep with a clock does
 _SHARE = 0.5  # of a frame's time that real time waits for a frame
+_FORESEES = 60  # frames between two looks at whether there are new kinds of objects
 _REST = 60  # frames after the script in which the body comes to rest
 
 
@@ -118,6 +119,7 @@ class MainProcess:
         )  # fmt: skip
         self.agenda = Agenda(self, setup)
         self.layout = Layout(self.workspace, self.communication, self.trouble)
+        self._foreseen: frozenset[str] = frozenset()  # kinds of objects
         self.pace = Pace(setup.rate, fast=setup.fast)
         self.report = Report(setup.human)
         self._patience = _SHARE * self.pace.period
@@ -159,6 +161,15 @@ class MainProcess:
         self.report.frames += 1
         if not self.setup.lockstep:  # files change by the clock, and lockstep is to be the same at each run
             self.layout.follow(self.report.frames)
+            if self.report.frames % _FORESEES == 0:
+                self._foresee()
+
+    def _foresee(self) -> None:
+        """Have what hands will ask of the kinds that are new in the world made before one of them does."""
+        kinds = frozenset(record.kind for record in self.communication.world.objects.values())
+        if new := sorted(kinds - self._foreseen):
+            self.control.foresee(new)
+        self._foreseen |= kinds
 
     def run(self, over: Callable[[], bool]) -> Report:
         """Make frames at the pace of the world until `over` says so and the body rests."""

@@ -151,6 +151,16 @@ def test_what_is_prepared_is_read_ahead_and_not_run(own_pool, make_start, tmp_pa
     assert not (tmp_path / "it-ran").exists()
 
 
+def test_what_hands_will_ask_of_shapes_is_made_beside_all_else(own_pool, tmp_path, make_start, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # of main alone: the pool has been there before
+    fields = tmp_path / "cache" / "ahmss" / "fields"
+    with launcher_of(own_pool) as launcher:
+        launcher.foresee(Path(__file__).resolve().parents[2], ["no such kind", "cup"])
+        launcher.foresee(tmp_path / "gone", ["cup"])
+        assert wait_for(lambda: fields.is_dir() and any(path.stat().st_size for path in fields.iterdir()), 60.0)
+        assert facts(launcher, launcher.start(tells(), make_start()))["pid"]
+
+
 def test_notes_come_before_the_pose_the_end_and_the_error(warm_launcher, make_start, tmp_path):
     (tmp_path / "says.py").write_text(
         "from ahmss.algorithm import run\ndef says(task):\n    task.note('one')\n    yield task.pose({})\n"
