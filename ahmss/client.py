@@ -32,6 +32,7 @@ from ahmss.world.schema import StateValue
 
 __all__ = ["Act", "Affordances", "Client", "Event", "Handle", "Person", "Result", "Self", "Thing", "act"]
 
+_LONGEST_MS = 3_600_000
 _SLICE = 1.0  # seconds that one question waits; other threads may ask in between
 _OVER = ("done", "failed", "cancelled")
 R = TypeVar("R")
@@ -221,7 +222,7 @@ class Client:
             raise self._nobody() from None
         end = time.monotonic() + timeout
         while (left := end - time.monotonic()) > 0.0:
-            if not self._socket.poll(int(left * 1000) + 1):
+            if not self._socket.poll(min(int(left * 1000) + 1, _LONGEST_MS)):
                 break
             reply = schema.decode_reply(self._socket.recv())
             if reply.request in (number, 0):  # a late answer to a question that was given up is passed over

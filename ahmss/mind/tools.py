@@ -34,18 +34,22 @@ _MOST_S = 300.0
 
 @dataclass(frozen=True)
 class Mind:
-    """Where the human is reached. server: the world's address for pictures; "" is as the main says."""
+    """Where the human is reached. server: the world's address for pictures; "" is as the main says.
+
+    timeout: seconds within which the main answers.
+    """
 
     port: str = ""
     keys: Path | None = None
     server: str = ""
     server_keys: Path | None = None
+    timeout: float = 5.0
 
     @contextmanager
     def human(self) -> Generator[Client]:
         """A connection to the main; what it refuses is an error that the model reads."""
         try:
-            with Client(self.port, keys=self.keys) as client:
+            with Client(self.port, keys=self.keys, timeout=self.timeout) as client:
                 yield client
         except (AhmssError, TimeoutError) as error:
             raise ToolError(str(error)) from error
@@ -201,7 +205,7 @@ def make_server(mind: Mind) -> MCPServer[Any]:
     Raises:
         NoAnswer: no main is there.
     """
-    with Client(mind.port, keys=mind.keys) as client:
+    with Client(mind.port, keys=mind.keys, timeout=mind.timeout) as client:
         try:
             me = client.me()
         except NoAnswer as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 
@@ -38,12 +39,12 @@ def _words(act: Act) -> list[str]:
     elif act.to_object:
         words += ["to", _name(act.to_object)]
     if act.facing_deg is not None:
-        words += ["facing", f"{act.facing_deg:g}"]
+        words += ["facing", f"{act.facing_deg:.9g}"]
     for keyword, text in (("hand", act.hand), ("pose", act.pose)):
         if text:
             words += [keyword, _plain(text) if keyword == "hand" else _name(text)]
     for key, value in act.parameters.items():
-        words.append(f"{_name(key)}={_name(value) if isinstance(value, str) else f'{value:g}'}")
+        words.append(f"{_name(key)}={_name(value) if isinstance(value, str) else f'{value:.9g}'}")
     if act.frames is not None:
         words += ["frames", str(act.frames)]
     if act.after:
@@ -52,6 +53,8 @@ def _words(act: Act) -> list[str]:
 
 
 def _numbers(place: Sequence[float]) -> list[str]:
+    if not all(math.isfinite(value) for value in place):
+        raise CommandError(f"{' '.join(map(str, place))} is no place: give x y or x y z, finite numbers in metres")
     return [f"{value:.9g}" for value in place]
 
 

@@ -1,0 +1,139 @@
+"""A language model's way: list, ask, act, be refused, read why, and do what is right."""
+
+from __future__ import annotations
+
+import io
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from ahmss_viewer.graphics import find_headless
+from PIL import Image
+
+from ahmss.errors import NoAnswer
+from ahmss.mind.tools import Mind, make_server
+from tests.mind.conftest import Collaborator, collaborate
+
+
+def test_every_tool_tells_what_it_does_and_what_each_argument_means(at_the_table: Collaborator) -> None:
+    tools = at_the_table.tools
+    assert list(tools) == ["where_am_i", "list_objects", "what_can_i_do", "act", "do", "wait", "stop", "look"]
+    for tool in tools.values():
+        assert len(tool.description) > 60
+        for argument in tool.input_schema["properties"]:
+            assert f"{argument}:" in tool.description
+    assert "You are ken, 1.76 m tall. You stand at x" in at_the_table.instructions
+    assert all(name in at_the_table.instructions for name in ("list_objects", "what_can_i_do", "act"))
+
+
+def test_a_plan_is_followed_from_refusal_to_refusal_until_the_cup_is_lifted(at_the_table: Collaborator) -> None:
+    mind = at_the_table
+    assert re.search(r"^room/cup: A cup .*\[0\.4 m ", mind.right("list_objects"), re.M)
+    # A wrong name: the right one is in the sentence.
+    meant = re.search(r"did you mean (\w+)\?", mind.wrong("act", object="cupp", action="lift"))
+    assert meant is not None
+    cup = meant[1]
+    # A wrong action: those that there are.
+    offered = re.search(r"it affords: (.+)", mind.wrong("act", object=cup, action="pick_up"))
+    assert offered is not None
+    assert offered[1].split(", ")[:3] == ["reach", "grasp", "lift"]
+    # The wrong order: what can be done now, first of all.
+    now = re.search(r"ken does not hold it; it affords now: (.+)", mind.wrong("act", object=cup, action="lift"))
+    assert now is not None
+    first, second = now[1].split(", ")
+    assert (first, second) == ("reach", "grasp")
+    assert "- lift: ken does not hold it" in mind.right("what_can_i_do", object=cup)
+    # Too soon: the reason says what comes before, and what is afforded is told again.
+    assert "reach for it first" in (said := mind.wrong("act", object=cup, action=second))
+    assert "it affords now: reach, grasp" in said
+    assert "done after" in mind.right("act", object=cup, action=first)
+    # Values out of range, each with the range.
+    ranged = re.search(
+        r"allowed: (\S+) to (\S+) m", mind.wrong("act", object=cup, action=second, parameters={"diameter": -3})
+    )
+    assert ranged is not None
+    low, high = float(ranged[1]), float(ranged[2])
+    assert "a whole number from 1" in mind.wrong("act", object=cup, action=second, frames=0)
+    assert "`left` or `right`" in mind.wrong("act", object=cup, action=second, hand="both")
+    assert "valid integer" in mind.wrong("act", object=cup, action=second, frames="many")
+    told = mind.right("act", object=cup, action=second, parameters={"diameter": 0.5 * (low + high)}, frames=30)
+    assert "it affords now: lift, drink, carry, put, release" in told
+    assert "done after" in mind.right("act", object=cup, action="lift")
+    assert "You hold room/cup in the " in mind.right("where_am_i")
+
+
+def test_lines_are_done_at_once_and_go_on_while_others_are_asked(at_the_table: Collaborator) -> None:
+    mind = at_the_table
+    said = mind.right("do", line="do television look frames 3000 with floor stand frames 3000", wait_s=0.2)
+    number = re.search(r"Line (\d+) goes on .*call wait with number=(\d+)", said)
+    assert number is not None
+    assert number[1] == number[2]
+    assert "goes on since" in mind.right("wait", number=int(number[1]), seconds=0.2)
+    assert f"line {number[1]}" in mind.right("where_am_i")
+    assert mind.right("stop") == "Stopped."
+    assert "cancelled" in mind.wrong("wait", number=int(number[1]))
+    assert "the last are: " in mind.wrong("wait", number=9999)
+    assert "column 7: the line ends here; expected: an action" in mind.wrong("do", line="do cup")
+
+
+def test_it_waits_for_seconds_and_states_and_is_told_how_to_ask(at_the_table: Collaborator) -> None:
+    mind = at_the_table
+    assert "0.3 s have passed" in mind.right("wait", seconds=0.3)
+    assert mind.right("wait", condition="lamp light == on") == "lamp light is on."
+    assert "light is on after 0.2 s, not == off" in mind.wrong("wait", condition="lamp light == off", seconds=0.2)
+    assert 'never "green"; allowed: off, on' in mind.wrong("wait", condition="lamp light == green")
+    assert "it has: light" in mind.wrong("wait", condition="lamp power == on")
+    assert "write it as: lamp light == on" in mind.wrong("wait", condition="lamp light = on")
+    assert "write it as OBJECT STATE OP VALUE" in mind.wrong("wait", condition="5")
+    assert "allowed: 0 to 300" in mind.wrong("wait", seconds=1000)
+
+
+@pytest.mark.skipif(find_headless() is None, reason="this machine draws nothing without a window")
+def test_it_gets_a_picture_of_what_is_before_its_eyes(at_the_table: Collaborator) -> None:
+    answer = at_the_table.call("look", at="room/table", names=False)
+    assert not answer.error, answer.text
+    picture = np.asarray(Image.open(io.BytesIO(answer.pictures[0])).convert("RGB")).astype(int)
+    assert picture.shape == (480, 640, 3)
+    middle = picture[200:280, 280:360].reshape(-1, 3).mean(axis=0)
+    assert middle[0] > middle[1] + 20 > middle[2] + 40  # the table's wood
+    assert re.search(r"^room/table: ", answer.text, re.M)
+    assert "not in sight" not in answer.text
+    assert answer.text.count("\n") < at_the_table.right("list_objects").count("\n")
+    assert "three numbers" in at_the_table.wrong("look", at="1 2")
+
+
+def test_without_a_main_it_says_how_to_start_one() -> None:
+    with pytest.raises(NoAnswer) as caught:
+        make_server(Mind("1", timeout=0.3))
+    said = str(caught.value)
+    assert said.startswith("no main answers at 127.0.0.1:1; start one with `ahmss up --port 1`")
+    assert said.endswith("or let it start a world of its own: ahmss mcp --scene room")
+
+
+def test_without_the_package_it_says_what_to_install() -> None:
+    program = "import sys; sys.modules['mcp'] = None; from ahmss.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "mcp"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=50,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr.strip() == "ahmss: the package mcp is missing; install it: pip install 'ahmss[mcp]'"
+
+
+@pytest.mark.long
+def test_the_room_is_worked_through_by_what_the_sentences_say() -> None:
+    for mind in collaborate("--scene", "room", "--at", "-0.6", "0.5", "--facing", "-40"):
+        assert "angle is 0.0" in mind.wrong("act", object="door", action="close")
+        assert "it affords now: reach, close" in mind.right("act", object="door", action="open")
+        mind.right("act", object="floor", action="walk", to="-0.2 0.7")
+        mind.right("act", object="door", action="close")
+        mind.right("act", object="floor", action="walk", to="television")
+        assert "power is on" in mind.right("act", object="television", action="press")
+        assert mind.right("wait", condition="television power == on") == "television power is on."
+        mind.right("do", line="do floor walk to cup with cup reach then cup grasp then cup lift then cup carry")
+        mind.right("do", line="do floor walk to tap with cup carry")
+        mind.right("do", line="do tap turn with cup carry")
+        assert mind.right("wait", condition="tap flow == open", seconds=5).startswith("tap flow is open")
+        assert "room/cup in the " in mind.right("where_am_i")
