@@ -22,6 +22,7 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
+from ahmss.walking.leeway import Leeway
 from ahmss.walking.legs import hip_joints, reach, solve_legs
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
@@ -61,19 +62,26 @@ class Shaping:
         line: the way.
         ends: where the feet stand before and where they shall stand after.
         standing: the height of the hips in standing, metres.
+        leeway: by how much it is moved aside.
     """
 
-    def __init__(self, skeleton: Skeleton, nominal: Nominal, line: Line, ends: Ends, standing: float) -> None:
+    def __init__(
+        self, skeleton: Skeleton, nominal: Nominal, line: Line, ends: Ends, standing: float,
+        leeway: Leeway | None = None,
+    ) -> None:  # fmt: skip
         self._skeleton, self._nominal = skeleton, nominal
+        self._line, self._ends, self._standing = line, ends, standing
         frames = len(nominal.root)
         turn = _turning(nominal, line, np.arange(0.0, frames))
         seen = Seen(skeleton, nominal)
-        self._treads = [Tread(skeleton, nominal, seen, line, ends, foot, turn) for foot in (0, 1)]
+        self._treads = [Tread(skeleton, nominal, seen, line, ends, foot, turn, leeway) for foot in (0, 1)]
         s, ratio = line.along(nominal.root[:, 0])
         place, heading = line.course.at(s)
         across = np.stack([-np.sin(heading), np.cos(heading)], axis=-1)
         self._root = nominal.root.copy()
         self._root[:, :2] = place + self._root[:, 1:2] * across
+        if leeway is not None:
+            self._root[:, :2] += leeway.body
         self._root[:, 2] = standing - (standing - self._root[:, 2]) * np.minimum(ratio, 1.0)
         self._turned = heading + turn
         self._looking = _looking_ahead(line, s, heading)
@@ -81,10 +89,19 @@ class Shaping:
         self._too_high, self._looked = np.zeros(frames), 0  # frames of which it is known whether a leg is too short
         self._made = 0
 
+    def moved(self, leeway: Leeway) -> Shaping:
+        """The same walk, moved aside."""
+        return Shaping(self._skeleton, self._nominal, self._line, self._ends, self._standing, leeway)
+
     @property
     def frames(self) -> int:
         """How many there are, the present one included."""
         return len(self._root)
+
+    @property
+    def stands(self) -> NDArray[np.bool_]:
+        """Which feet are on the ground (F, 2), right and left: all of it, at any time."""
+        return self._nominal.bearing.any(axis=-1)  # pyright: ignore[reportReturnType]
 
     @property
     def level(self) -> Array:

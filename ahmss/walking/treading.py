@@ -15,6 +15,8 @@ from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.contact import runs
 from ahmss.motion.easing import minimum_jerk
+from ahmss.walking.footprints import Ends, Footprints
+from ahmss.walking.leeway import Leeway
 from ahmss.walking.legs import foot_frames
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
@@ -29,30 +31,6 @@ _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is
 _LEVEL = np.radians(0.5)
 _BESIDE = 0.06  # metres between the middle lines of two feet
 _LATER, _MOST_LATER = 0.55, np.radians(50.0)  # of the turn of a start, what its second footstep makes
-
-
-@dataclass(frozen=True)
-class Ends:
-    """Where the feet are before and after, right and left: places (2, 2) of the ankles, headings (2,)."""
-
-    first: Array
-    first_heading: Array
-    last: Array
-    last_heading: Array
-
-
-@dataclass(frozen=True)
-class Footprints:
-    """Where a foot stands one time after the other: since which frames, the flat foot's ankle (n, 2), heading (n,)."""
-
-    since: NDArray[np.intp]
-    places: Array
-    headings: Array
-
-    def at(self, frame: int) -> tuple[Array, float]:
-        """The one at a frame, or before it where the foot is in the air."""
-        i = int(np.searchsorted(self.since, frame, side="right")) - 1
-        return self.places[i], float(self.headings[i])
 
 
 class Seen:
@@ -90,14 +68,16 @@ class Tread:
     """
 
     def __init__(
-        self, skeleton: Skeleton, nominal: Nominal, seen: Seen, line: Line, ends: Ends, foot: int, turn: Array
-    ) -> None:
+        self, skeleton: Skeleton, nominal: Nominal, seen: Seen, line: Line, ends: Ends, foot: int, turn: Array,
+        leeway: Leeway | None = None,
+    ) -> None:  # fmt: skip
         self._soles = skeleton.soles * (1.0, 1.0 if foot == 0 else -1.0, 1.0)
         self._seen, self._line, self._ends, self._foot, self._turn = seen, line, ends, foot, turn
         self._along = nominal.root[:, 0]
         self._started = nominal.seams[1] if line.first > 0.0 and len(nominal.seams) > 2 else 0
         frames = len(nominal.root)
         bears: NDArray[np.bool_] = nominal.bearing[:, foot].any(axis=-1)  # pyright: ignore[reportAssignmentType]
+        self._aside = None if leeway is None else leeway.foot(bears, foot)
         spans = runs(bears)
         first, end = (np.array([span[i] for span in spans], np.intp) for i in (0, 1))
         n = len(spans)
@@ -164,6 +144,8 @@ class Tread:
         across = np.stack([-np.sin(heading), np.cos(heading)], axis=-1)
         off = stances.place[new] - np.stack([passing, np.zeros(len(passing))], axis=-1)
         stances.to[new] = place + off[:, :1] * ahead + off[:, 1:] * across
+        if self._aside is not None:
+            stances.to[new] += self._aside[stances.first[new]]
         self._turn_in(new)
         stances.to_heading[new] = stances.heading[new] + stances.more[new] + heading + self._turn[stances.first[new]]
         ends = self._ends
@@ -251,7 +233,11 @@ class Tread:
         spread = np.zeros_like(ankle)
         for at, weight in ((lift, 1.0 - share), (land, share)):
             spread += weight[:, None] * (standing - np.c_[low, level])[at]
+            if self._aside is not None:
+                spread[:, :2] -= weight[:, None] * self._aside[frames[at]]
         out += spread
+        if self._aside is not None:
+            out[:, :2] += self._aside[frames]
         out[bears] = standing[bears]
         sunk = -(out[:, None] + rotate(feet[:, None], soles))[..., 2].min(axis=-1)
         out[:, 2] += np.maximum(sunk, 0.0) + np.where(bears, 0.0, clearance(u, 1.0 / np.maximum(land - lift, 1)))

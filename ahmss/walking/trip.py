@@ -21,17 +21,17 @@ from ahmss.walking.library import RATE, Library
 from ahmss.walking.makingway import LOOKED, Option, Walker, cut, goes_first, held_up, meets, options
 from ahmss.walking.nominal import clip_of, length_of
 from ahmss.walking.pacing import Paced
+from ahmss.walking.pieces import Piece, cleared, footing_at, piece, standing_piece
+from ahmss.walking.wayout import natural, touches
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 RADIUS = 0.27  # metres that a walker keeps from things
 _APART = 0.75  # metres that two walkers' middles shall keep apart
-_THINGS = 0.17  # metres from things that who makes way may come
 # The ends by which one stops, and to what share of their length.
 _STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("small", 1.0), ("normal", 1.0))
 _NEAR = 2.3  # metres: whom one goes round from the beginning
 _TRIED = 4  # ways out that are looked at closely
-_LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 _AGAIN = 12  # frames after which who waits looks again
 _POLITE, _BESIDE = 2.0, 2.2  # seconds that one lets others go first, who stand so near (metres)
 _LOOKS, _ABOUT = 1.2, 4.8  # seconds that one looks, before setting out, whether others do who are so near
@@ -47,16 +47,6 @@ class Ground:
 
     outlines: Sequence[Array] = ()
     names: Sequence[str] = ()
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Frames of a trip to be made next: rotations (n, 15, 4), root (n, 3), ankles (n, 2, 3), feet (n, 2, 4)."""
-
-    rotations: Array
-    root: Array
-    ankles: Array
-    feet: Array
 
 
 @dataclass
@@ -95,25 +85,26 @@ class Trip:
         Raises:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
-        for piece in self._pieces(footing(self.skeleton, rotations, root, self.standing)):
-            self._made += len(piece.root)
-            yield piece
+        for made in self._pieces(footing(self.skeleton, rotations, root, self.standing)):
+            self._made += len(made.root)
+            yield made
 
     def _pieces(self, now: Footing) -> Iterator[Piece]:
         going, free = self._begun(now)
         self._say_frames(going)
         self._rates = going.natural / going.most, going.natural / going.fewest
         if not free or goes_first(self._ahead(going, 0), self.others(), _ABOUT):
-            going = yield from self._wait(_piece(going, -1, 0), now, looks=_LOOKS)
+            going = yield from self._wait(piece(going, -1, 0), now, looks=_LOOKS)
         over = False
         while not over:
-            made = yield from self._set_in_motion(going)
+            going, begun = yield from cleared(self.skeleton, going, self.ground.outlines)
+            made = yield from self._set_in_motion(going, begun)
             if made:
                 self._waited, self._rate = 0, float(going.rates[0])
                 going, over = yield from self._steps(going, made)
             if not over:
                 end = -1 if made else 0
-                going = yield from self._wait(_standing(going, end), self._footing_at(going, end))
+                going = yield from self._wait(standing_piece(going, end), footing_at(going, end))
 
     # Planning
 
@@ -163,10 +154,10 @@ class Trip:
 
     # Going
 
-    def _set_in_motion(self, going: Journey) -> Iterator[Piece]:  # -> how many frames are made; 0: it was called off
-        """The first frames, in which weight is shifted, and back again where others have set out as well."""
+    def _set_in_motion(self, going: Journey, begun: int) -> Iterator[Piece]:  # -> frames made; 0: it was called off
+        """The first frames, on from those begun, in which weight is shifted; back where others have set out as well."""
         made = last_moment(going)
-        yield _piece(going, 0, made)
+        yield piece(going, begun, made)
         own = self._ahead(going, made)
         if going.line.course.length < SPOT or not self._held_up(own, begun=True):
             return made  # pyright: ignore[reportReturnType]
@@ -180,7 +171,7 @@ class Trip:
         while seam < len(going.seams) - 1:
             seam += 1
             end = going.seams[seam]
-            yield _piece(going, made, end)
+            yield piece(going, made, end)
             made = end
             if seam == len(going.seams) - 1 or stopping or not meets(self._ahead(going, made), self.others()):
                 continue
@@ -218,13 +209,13 @@ class Trip:
         for option in options(own, rest, stops, speed, others, around)[:_TRIED]:
             if option.course is rest and option.slow == 1.0:
                 return None
-            if option.course is not rest and self._touches(option.course):
+            if option.course is not rest and touches(option.course, self._things):
                 continue
             facing = float(option.course.heading[-1])
             if self.facing is not None and not option.stops:
                 facing = self.facing
             made = self._onward(stride, option, facing)
-            if self._natural(made):
+            if natural(made, self.standing.height):
                 return made, option.stops
         return None
 
@@ -242,26 +233,6 @@ class Trip:
         more = len(made.rates) / self._left()
         self._rate = float(np.clip(more * self._rate, *self._rates))
         return at(self._rate)
-
-    def _natural(self, going: Journey) -> bool:
-        """Whether the next steps of a walk are such as a person makes."""
-        root = going.shaping.part(0, min(going.shaping.frames, 2 * going.seams[1])).root
-        moved = np.diff(root, axis=0) * RATE
-        return bool(
-            root[:, 2].min() > _LOWEST * self.standing.height
-            and np.linalg.norm(moved, axis=-1).max() < _FASTEST
-            and np.linalg.norm(np.diff(moved, axis=0), axis=-1).max() * RATE < _HARDEST
-        )
-
-    def _touches(self, course: Course) -> bool:
-        """Whether a course comes too near to things soon, and nearer than where it begins."""
-        points = course.points[:150]
-        if not len(self._things) or len(points) < 2:
-            return False
-        near = shapely.distance(self._things, shapely.Point(points[0]))
-        return bool(
-            (shapely.distance(self._things, shapely.LineString(points)) < np.minimum(near, _THINGS) - 1e-6).any()
-        )
 
     def _circles(self, nearer: float = 0.0) -> list[tuple[float, float, float]]:
         """Others as circles, where they are; one may pass nearer to them by so many metres."""
@@ -285,8 +256,8 @@ class Trip:
             if not aside and frame >= _YIELDS * RATE:
                 away = self._aside(now)
                 if away is not None:
-                    yield _piece(away, 0, away.seams[-1])
-                    last, now, aside = _standing(away, -1), self._footing_at(away, -1), True
+                    yield piece(away, 0, away.seams[-1])
+                    last, now, aside = standing_piece(away, -1), footing_at(away, -1), True
             try:
                 ahead = self._set_out(now, self._circles(self._nearer()))
             except NoWay:
@@ -323,21 +294,3 @@ class Trip:
                     if course.length < 1.2 * _ASIDE and not held_up(self._ahead(away, 0), self.others(), begun=False):
                         return away
         return None
-
-    def _footing_at(self, going: Journey, end: int) -> Footing:
-        """How the walker stands before a walk, where `end` is 0, or after it, where it is -1."""
-        prints = [going.shaping.footprint(foot, going.seams[end]) for foot in (0, 1)]
-        ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
-        heading = float(np.arctan2(np.sin(headings).sum(), np.cos(headings).sum()))
-        return Footing(ankles, headings, going.line.course.points[end], heading)
-
-
-def _piece(going: Journey, first: int, last: int) -> Piece:
-    """The frames after `first` up to `last`."""
-    shaped = going.shaping.part(first + 1, last + 1)
-    return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet)
-
-
-def _standing(going: Journey, end: int) -> Piece:
-    """The frame in which a walk begins, where `end` is 0, or ends, where it is -1."""
-    return _piece(going, going.seams[end] - 1, going.seams[end])

@@ -1,0 +1,193 @@
+"""Legs of a walk kept out of what stands beside it: the body is moved aside where a knee or a foot would be in a thing.
+
+A way keeps the hips' middle clear of things. Who turns on the spot beside one, or sets out or arrives there, swings
+knees and feet wider than that, and steps back a little while turning. So does this: it looks at how the walk's legs
+would go and moves the body away, and a foot in the air a little more, until they are clear. Where feet stand first and
+last they stay, and what is far from things is left as it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from ahmss.body.array import Array
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import multiply, rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.motion.contact import runs
+from ahmss.motion.easing import minimum_jerk
+from ahmss.walking.fence import Fence
+from ahmss.walking.leeway import Leeway, bump
+from ahmss.walking.shaping import Shaped, Shaping
+
+__all__ = ["UNMOVED", "clearing"]
+
+UNMOVED = 16  # frames from the beginning in which the body is not moved: in these the rest is thought of
+_NEAR, _WITHIN = 0.7, 0.2  # metres from the hips, and from a leg, beyond which nothing is in its way
+_LOOKED = 900  # frames that are looked at: the rest of a longer walk is not
+_STEP, _AT_ONCE = 3, 60  # frames between those that are looked at, and how many are made in a part
+_ROUNDS, _IN_PART = 12, 3  # how often it is moved more, at the most, and how often in a part
+_ENOUGH = 1e-3  # metres that may lack
+_WIDTH, _SMOOTH, _FADE = 60, 4.0, 44  # frames around one for which it is moved; smoothed over; from rest to moved
+_MOST, _MOST_FOOT = 0.22, 0.08  # metres that the body is moved, and a foot in the air more than it
+_BY_FOOT = 0.5  # of what a foot in the air lacks, what it is moved by itself
+_LOW = 0.2  # of a swing's height: nearer to the ground a foot is not moved by itself
+_UPPER, _LOWER = ([INDEX[f"{side}_{part}_leg"] for side in ("right", "left")] for part in ("upper", "lower"))
+_MIRROR = np.array([1.0, -1.0, 1.0])
+# Of a leg hip joint, thigh, knee, shank, ankle, heel, toes. How thick it is there, metres, in the stouter of the
+# bodies that ship, and a little more; by how much they go with the foot, the rest with the hips.
+_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051])
+_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0])
+_OF_FOOT = slice(4, 7)
+
+
+def clearing(skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array]) -> Iterator[Leeway | None]:
+    """By how much a walk is to be moved so that legs keep out of things: the last that comes, None before it is found.
+
+    It may be moved a little more the next time. Nothing but None comes where legs keep out of things anyway.
+
+    Args:
+        skeleton: of who walks.
+        shaping: the walk as it would be.
+        outlines: (n, 2) of things, world.
+    """
+    frames, near = _close(shaping.level, outlines)
+    if not len(frames):
+        return
+    for end in range(_AT_ONCE, int(frames[-1]) + 1, _AT_ONCE):
+        shaping.part(0, end)
+        yield None
+    legs = _Legs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, Fence(near, _WITHIN))
+    yield None
+    swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in (0, 1)]
+    made = Leeway(np.zeros((shaping.frames, 2)), (np.zeros((swings[0].count, 2)), np.zeros((swings[1].count, 2))))
+    fade = _fade(shaping.frames)
+    for number in range(_ROUNDS):
+        push = legs.push(made.body, [made.foot(own.bears, foot) for foot, own in enumerate(swings)])
+        lack = np.sqrt((push * push).sum(axis=-1))
+        if lack.max() < _ENOUGH:
+            if number:
+                yield made
+            return
+        for foot, own in enumerate(swings):
+            made.swings[foot][:] = own.more(made.swings[foot], push[:, foot], lack[:, foot])
+        worst = lack.reshape(len(frames), -1).argmax(axis=-1)
+        made.body[:] = fade * _moved(made.body, frames, push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst])
+        if number % _IN_PART == _IN_PART - 1:
+            yield made
+
+
+def _close(level: Array, outlines: Sequence[Array]) -> tuple[NDArray[np.intp], list[Array]]:
+    """The frames at which hips (F, 2) come near to outlines, and those outlines."""
+    level = level[:_LOOKED:_STEP]
+    low, high = level.min(axis=0) - _NEAR, level.max(axis=0) + _NEAR
+    about = [ring for ring in outlines if (ring.max(axis=0) > low).all() and (ring.min(axis=0) < high).all()]
+    close = np.zeros(len(level), dtype=bool)
+    near: list[Array] = []
+    for ring in about:
+        own = Fence([ring], _NEAR).away(level)[0] < _NEAR
+        close |= own
+        near += [ring] if own.any() else []
+    return _STEP * np.flatnonzero(close), near
+
+
+class _Legs:
+    """Points (f, 2, P) of both legs at the frames that are looked at, and how clear of things they are."""
+
+    def __init__(self, frames: NDArray[np.intp], points: Array, fence: Fence) -> None:
+        self._frames, self._points, self._fence = frames, points, fence
+        self._thick = np.broadcast_to(_THICK, points.shape[:-1]).reshape(-1)
+        self._seen = points.reshape(-1, 2).copy()  # where points were when it was looked at how far they are
+        self._away, self._out = fence.away(self._seen)
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp], fence: Fence) -> _Legs:
+        """Of a walk."""
+        hips, root = shaped.rotations[frames, :1], shaped.root[frames]
+        joints = root[:, None] + rotate(hips, skeleton.offsets[_UPPER])
+        thighs = multiply(hips, shaped.rotations[frames][:, _UPPER])
+        knees = joints + rotate(thighs, skeleton.offsets[_LOWER])
+        ankles, feet = shaped.ankles[frames], shaped.feet[frames]
+        soles = np.stack([skeleton.soles, skeleton.soles * _MIRROR])
+        heels, toes = soles[:, 0] * (0.5, 1.0, 0.5), soles[:, 2] * (0.82, 1.0, 0.5)
+        points = np.stack([
+            joints, joints + 0.65 * (knees - joints), knees, 0.5 * (knees + ankles), ankles,
+            ankles + rotate(feet, heels), ankles + rotate(feet, toes),
+        ], axis=2)  # fmt: skip
+        return cls(frames, points[..., :2], fence)
+
+    def push(self, body: Array, feet: Sequence[Array]) -> Array:
+        """By how much the points are to be moved (f, 2, P, 2) out of things when body and feet are moved (F, 2)."""
+        by_body = body[self._frames][:, None, None]
+        by_foot = np.stack([foot[self._frames] for foot in feet], axis=1)[:, :, None]
+        at = (self._points + by_body + _WITH_FOOT[:, None] * (by_foot - by_body)).reshape(-1, 2)
+        moved = at - self._seen
+        doubtful = np.flatnonzero(self._away - np.sqrt((moved * moved).sum(axis=-1)) < self._thick)
+        if len(doubtful):
+            self._seen[doubtful] = at[doubtful]
+            self._away[doubtful], self._out[doubtful] = self._fence.away(at[doubtful])
+        lack = np.zeros(len(at))
+        lack[doubtful] = np.maximum(self._thick - self._away, 0.0)[doubtful]
+        return (lack[:, None] * self._out).reshape(self._points.shape)
+
+
+@dataclass(frozen=True)
+class _Swings:
+    """A foot's swings.
+
+    bears: (F,) whether it is on the ground. count: of swings. which: at the frames looked at (f,), -1: it is in none.
+    height: (f,) how far the foot is moved then, of what it is moved half-way.
+    """
+
+    bears: NDArray[np.bool_]
+    count: int
+    which: NDArray[np.intp]
+    height: Array
+
+    @classmethod
+    def of(cls, bears: NDArray[np.bool_], frames: NDArray[np.intp]) -> _Swings:
+        spans = runs(bears)
+        which, height = np.full(len(frames), -1), np.zeros(len(frames))
+        for i, (one, other) in enumerate(pairwise(spans)):
+            u = (frames - one[1] + 1) / (other[0] - one[1] + 1)
+            high = (u > 0.0) & (u < 1.0)
+            high[high] = bump(u[high]) > _LOW
+            which[high], height[high] = i, bump(u[high])
+        return cls(bears, max(len(spans) - 1, 0), which, height)
+
+    def more(self, own: Array, push: Array, lack: Array) -> Array:
+        """What swings are moved (n, 2) where a leg's points lack so much (f, P) and are to be moved (f, P, 2)."""
+        out, rows = own.copy(), np.arange(len(lack))
+        worst = lack[:, _OF_FOOT].argmax(axis=-1)
+        most = np.where(self.which >= 0, lack[:, _OF_FOOT][rows, worst], 0.0)
+        for i in np.unique(self.which[most > 0.0]):
+            k = int(np.where(self.which == i, most, 0.0).argmax())
+            out[i] += _BY_FOOT * push[k, _OF_FOOT][worst[k]] / self.height[k]
+        return _at_most(out, _MOST_FOOT)
+
+
+def _moved(body: Array, frames: NDArray[np.intp], push: Array) -> Array:
+    """How far the body is moved (F, 2) that is to be moved more, at frames (f,) by (f, 2)."""
+    wanted = np.zeros((len(body), 3))
+    wanted[frames, :2], wanted[frames, 2] = push, push.any(axis=-1)
+    kernel = (1.0 - (np.arange(-_WIDTH, _WIDTH + 1) / (_WIDTH + 1)) ** 2) ** 3
+    spread = np.stack([np.convolve(row, kernel)[_WIDTH:-_WIDTH] for row in wanted.T], axis=-1)
+    body = _at_most(body + spread[:, :2] / np.maximum(spread[:, 2:], 1.0), _MOST)
+    return gaussian_filter1d(body, _SMOOTH, axis=0, mode="nearest")
+
+
+def _fade(frames: int) -> Array:
+    """(F, 1) how far the body may be moved: in the first frames and in the last it stands where it shall."""
+    at = np.arange(frames)
+    return (minimum_jerk((at - UNMOVED) / _FADE) * minimum_jerk((frames - 1 - at) / (UNMOVED + _FADE)))[:, None]
+
+
+def _at_most(moves: Array, most: float) -> Array:
+    length = np.sqrt((moves * moves).sum(axis=-1, keepdims=True))
+    return moves * np.minimum(1.0, most / np.maximum(length, 1e-9))

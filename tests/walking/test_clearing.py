@@ -1,0 +1,112 @@
+"""Legs keep out of things beside which one turns, sets out or arrives, and feet that stand stay where they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.motion.contact import foot_points
+from ahmss.walking.fence import Fence
+from ahmss.walking.leeway import Leeway
+from ahmss.walking.library import BODY
+from ahmss.walking.trip import Ground, Trip
+
+from . import measures as m
+
+TABLE = np.array([[0.27, -0.6], [1.27, -0.6], [1.27, 0.6], [0.27, 0.6]])  # its edge is before who stands at the origin
+FAR = TABLE + np.array([0.0, 4.0])
+GOALS = [(-0.2, 1.8, 90.0), (1.9, 0.2, 0.0), (-1.5, -0.3, 180.0), (-0.3, -2.0, -60.0), (0.0, 0.0, 120.0)]
+
+
+def walked(outlines: list[Array], goal: tuple[float, float, float], name: str = "ken") -> tuple[Array, Array]:
+    """Rotations (F, 43, 4) and root (F, 3) from the origin, heading 0, to a place and a heading in degrees."""
+    body = m.subject(name)
+    trip = Trip(body.skeleton, m.library(), Ground(outlines), np.array(goal[:2]), float(np.radians(goal[2])))
+    pieces = list(trip.pieces(*body.at((0.0, 0.0), 0.0)))
+    rotations = np.concatenate([piece.rotations for piece in pieces])
+    whole = np.repeat(body.rotations[None], len(rotations), axis=0)
+    whole[:, :BODY] = rotations
+    return whole, np.concatenate([piece.root for piece in pieces])
+
+
+def nearest(name: str, rotations: Array, root: Array, outline: Array) -> float:
+    """How near knees, ankles and tips of the toes come to an outline; negative within it."""
+    skeleton = m.subject(name).skeleton
+    places, _ = forward(rotations, root, skeleton.offsets)
+    joints = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("lower_leg", "foot")]
+    feet = foot_points(skeleton, rotations, root).reshape(len(root), -1, 3)
+    points = shapely.points(np.concatenate([places[:, joints], feet], axis=1)[..., :2])
+    thing = shapely.Polygon(outline)
+    away = np.where(shapely.within(points, thing), -1.0, 1.0) * shapely.distance(shapely.boundary(thing), points)
+    return float(away.min())
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("goal", GOALS)
+def test_legs_keep_out_of_a_table_beside_which_one_turns(name: str, goal: tuple[float, float, float]) -> None:
+    assert nearest(name, *walked([TABLE], goal, name), TABLE) > 0.0
+
+
+def test_some_of_these_legs_would_be_in_it() -> None:
+    body = m.subject("ken")
+    lacks = []
+    for goal in GOALS:
+        trip = Trip(body.skeleton, m.library(), Ground([TABLE]), np.array(goal[:2]), float(np.radians(goal[2])))
+        rotations, root = body.at((0.0, 0.0), 0.0)
+        now = m.footing(body.skeleton, rotations, root, body.standing)
+        going = trip._set_out(now).shaped  # pyright: ignore[reportPrivateUsage]
+        whole = np.repeat(body.rotations[None], len(going.root), axis=0)
+        whole[:, :BODY] = going.rotations
+        lacks.append(nearest("ken", whole, going.root, TABLE))
+    assert min(lacks) < -0.05
+
+
+def test_what_is_far_changes_nothing() -> None:
+    goal = (-1.5, -0.3, 180.0)
+    one, other = walked([], goal), walked([FAR], goal)
+    assert np.array_equal(one[0], other[0])
+    assert np.array_equal(one[1], other[1])
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_a_foot_that_bears_stays_and_the_body_moves_smoothly(goal: tuple[float, float, float]) -> None:
+    rotations, root = walked([TABLE], goal)
+    points = foot_points(m.subject("ken").skeleton, rotations, root).reshape(len(root), -1, 3)
+    moved = np.linalg.norm(np.diff(points[..., :2], axis=0), axis=-1)
+    low = np.maximum(points[1:, :, 2], points[:-1, :, 2]) < 0.002
+    assert moved[low].max() < 0.0005
+    assert np.linalg.norm(np.diff(root, 2, axis=0), axis=-1).max() * 60.0**2 < 20.0
+    assert np.allclose(root[-1, :2], goal[:2], atol=1e-4)
+
+
+def test_a_foot_goes_with_the_body_but_where_it_stands_first_and_last() -> None:
+    bears = np.array([True] * 10 + [False] * 9 + [True] * 11 + [False] * 9 + [True] * 10)
+    body = np.zeros((len(bears), 2))
+    body[5:45] = [0.1, -0.2]
+    own = np.array([[0.0, 0.05], [0.0, 0.0]])
+    foot = Leeway(body, (own, np.zeros((2, 2)))).foot(bears, 0)
+    assert not foot[:10].any()
+    assert not foot[-10:].any()
+    assert np.allclose(foot[19:30], [0.1, -0.2])
+    assert np.allclose(foot[14], [0.1, -0.15])  # half-way, and its own
+    assert np.linalg.norm(np.diff(foot, axis=0), axis=-1).max() < 0.07
+
+
+def test_how_deep_points_are_in_outlines() -> None:
+    rings = [
+        np.array([[0, 0], [1, 0], [1, 1], [0.5, 0.4], [0, 1]], float),
+        np.array([[2, 0], [2, 1], [3, 1], [3, 0]], float),
+    ]
+    points = np.random.default_rng(1).uniform(-0.5, 3.5, (300, 2))
+    away, out = Fence(rings, 9.0).away(points)
+    shapes, places = [shapely.Polygon(ring) for ring in rings], shapely.points(points)
+    sides = [np.where(shapely.within(places, shape), -1.0, 1.0) for shape in shapes]
+    true = [side * shapely.distance(shapely.boundary(shape), places) for side, shape in zip(sides, shapes, strict=True)]
+    assert np.allclose(away, np.min(true, axis=0))
+    further, _ = Fence(rings, 9.0).away(points + 1e-6 * out)
+    assert np.allclose((further - away) / 1e-6, 1.0, atol=1e-4)
+    assert Fence(rings, 0.1).away(np.array([[-5.0, 0.0]]))[0] == 0.1
