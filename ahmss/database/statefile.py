@@ -21,6 +21,7 @@ __all__ = ["HELD", "affording", "read_appearances", "read_condition", "read_cons
 HELD = "held"
 """What `when` of an action may ask beside the object's states: who has it in the hand."""
 
+_MOST_TEXT = 1000  # characters
 _WAY = re.compile(r"(\.\.(/|$))*([A-Za-z][\w-]*(/[A-Za-z][\w-]*)*)?")
 _HELD = State("no", ("no", "here", "elsewhere"))
 Vector = tuple[float, float, float]
@@ -33,6 +34,7 @@ class StateEntry(msgspec.Struct, forbid_unknown_fields=True):
     initial: str | float | None = None
     values: list[str] = []
     range: tuple[float, float] | None = None
+    text: int | None = None
 
 
 class AppearanceEntry(msgspec.Struct, forbid_unknown_fields=True):
@@ -77,13 +79,15 @@ def read_states(document: Document, entries: Mapping[str, dict[str, Any]]) -> di
         if name == HELD:
             raise document.error(place, '"held" is known of every object; choose another name')
         entry = document.convert(raw, StateEntry, place)
-        if bool(entry.values) == (entry.range is not None):
-            raise document.error(place, 'a state has either values = ["off", "on"] or range = [0.0, 1.0]')
+        if [bool(entry.values), entry.range is not None, entry.text is not None].count(True) != 1:
+            raise document.error(place, 'a state has values = ["off", "on"], or range = [0.0, 1.0], or text = 80')
+        if entry.text is not None and not 0 < entry.text <= _MOST_TEXT:
+            raise document.error((*place, "text"), f"{entry.text}; allowed: 1 to {_MOST_TEXT} characters")
         low, high = entry.range or (0.0, 0.0)
         if low > high:
             raise document.error((*place, "range"), f"{low:g} is more than {high:g}; write the lower one first")
-        first = entry.values[0] if entry.values else low
-        state = State(first, tuple(entry.values), low, high)
+        first = entry.values[0] if entry.values else "" if entry.text else low
+        state = State(first, tuple(entry.values), low, high, entry.text or 0)
         initial = state.parse(first if entry.initial is None else entry.initial)
         if initial is None:
             raise document.error((*place, "initial"), f"{entry.initial!r} is not among: {state.allowed}")
@@ -104,7 +108,7 @@ def read_condition(document: Document, text: str | None, states: Mapping[str, St
         if state is None:
             have = ", ".join(name for name in states if name != HELD) or "none"
             raise document.error(place, f'no state "{clause.state}"; this object has: {have}')
-        if not state.values and isinstance(clause.value, str):
+        if state.is_number and isinstance(clause.value, str):
             raise document.error(place, f'"{clause.state}" is a number, never "{clause.value}"')
         if state.values and clause.value not in state.values:
             raise document.error(place, f'"{clause.state}" is never "{clause.value}"; allowed: {state.allowed}')
@@ -139,7 +143,7 @@ def _appearance(document: Document, raw: dict[str, Any], states: Mapping[str, St
 
 def _number(document: Document, name: str, states: Mapping[str, State], place: Place) -> None:
     """Refuse what is no state with a range."""
-    numbers = [state for state, what in states.items() if not what.values]
+    numbers = [state for state, what in states.items() if what.is_number]
     if name and name not in numbers:
         raise document.error(place, f'no state "{name}" that is a number{one_of(name, numbers)}')
 

@@ -96,7 +96,7 @@ def _value(
         return state.other(present[one.state])
     if one.source:
         source = behaviour.states.get(one.source)
-        if source is not None and not source.values and not state.values:
+        if source is not None and source.is_number and state.is_number:
             return state.low + source.share(value) * (state.high - state.low)
     parsed = None if value is None or isinstance(value, bool) else state.parse(value)
     if parsed is None:
