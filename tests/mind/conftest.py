@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import base64
 import sys
-from collections.abc import AsyncGenerator, Callable, Iterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncGenerator, Callable, Generator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -54,8 +54,9 @@ async def session(*arguments: str) -> AsyncGenerator[ClientSession]:
         yield one
 
 
-def collaborate(*arguments: str) -> Iterator[Collaborator]:
-    """A collaborator for as long as the generator is open."""
+@contextmanager
+def collaborate(*arguments: str) -> Generator[Collaborator]:
+    """A collaborator with a world of its own."""
     with start_blocking_portal() as portal, portal.wrap_async_context_manager(session(*arguments)) as one:
         begun = portal.call(one.initialize)
         listed = portal.call(one.list_tools)
@@ -72,4 +73,5 @@ def collaborate(*arguments: str) -> Iterator[Collaborator]:
 @pytest.fixture(scope="module")
 def at_the_table() -> Iterator[Collaborator]:
     """In the room, the table with the cup in front."""
-    yield from collaborate("--scene", "room", "--at", "0", "0", "--facing", "-20")
+    with collaborate("--scene", "room", "--at", "0", "0", "--facing", "-20") as one:
+        yield one
