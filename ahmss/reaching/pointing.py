@@ -35,14 +35,16 @@ def pointing(side: str) -> Array:
     return rotations
 
 
-def palms_pointing(skeleton: Skeleton, side: str, place: Array, into: Array) -> Array:
+def palms_pointing(skeleton: Skeleton, side: str, place: Array, into: Array, *, exactly: bool = False) -> Array:
     """Palms (n, 7) whose index fingertip is at a place (3,), the finger about along a direction (3,), unit.
 
-    The straight way in, thumb up to palm down, comes first; then the same a little tilted.
+    Thumb up to palm down, and the finger also a little tilted against the direction, unless it is to lie along it
+    `exactly`.
     """
     tip, along = _fingertip(skeleton, side)
     row, sign = (1, 1.0) if side == "left" else (0, -1.0)
-    tilt, aside, roll = (a.ravel() for a in np.meshgrid(_TILTS, _SIDES, _ROLLS, indexing="ij"))
+    tilts, sides = (np.zeros(1), np.zeros(1)) if exactly else (_TILTS, _SIDES)
+    tilt, aside, roll = (a.ravel() for a in np.meshgrid(tilts, sides, _ROLLS, indexing="ij"))
     # A hand whose fingers point along the level of `into`, thumb up: hand x along it, z down.
     down = np.array([0.0, 0.0, -1.0])
     level = into if abs(into[2]) < 0.9 else _X
