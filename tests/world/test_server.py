@@ -134,7 +134,8 @@ def test_more_than_a_message_holds_is_refused_before_it_is_sent(start, connect):
     ken.hello()  # who has been answered is connected
     with pytest.raises(WorldError, match="send it in parts"):
         ken.add([NewObject(f"o{i}", "cup", states={"s": "x" * 900}) for i in range(5000)])
-    assert ken.connected and not ken.refresh().objects
+    assert ken.connected
+    assert not ken.refresh().objects
 
 
 def test_contained_objects_go_with_their_parent_until_a_hand_takes_them(start, connect):
