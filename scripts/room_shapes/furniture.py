@@ -154,7 +154,7 @@ def doorway() -> Model:
     for sy in (-1, 1):
         y0, y1 = sorted((sy * 6.0, sy * 7.5))
         pieces.append(box("frame", (-40.9, y0, 201.5), (40.9, y1, 207.5)))
-    pieces.append(box("sill", (-40.4, -6, 0.0), (40.4, 6, 0.5), bottom=False))
+    pieces.append(box("sill", (-40.4, -6, 0.0), (40.4, 6, 0.1), bottom=False))
     return pieces, {"frame": (246, 244, 238), "sill": DARK_OAK}
 
 
