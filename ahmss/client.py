@@ -82,7 +82,7 @@ class Client:
         return [thing for page in self._pages(seen=False) for thing in page.objects]
 
     def seen(self) -> list[Thing]:
-        """What the human sees now: within 60 degrees of where its head faces, and hidden by no other object."""
+        """What the human sees now: within 60 degrees of its line of sight, and hidden by no other object."""
         return [thing for page in self._pages(seen=True) for thing in page.objects]
 
     def humans(self) -> list[Person]:

@@ -36,7 +36,7 @@ class Comparison:
         if operator not in _OPERATORS:
             raise CommandError(f'"{operator}" compares nothing; use one of: {" ".join(_OPERATORS)}')
         self._operator = operator
-        if operator == "==" and isinstance(value, str):
+        if operator == "==":
             self._check_value(workspace, record.kind)
 
     def _check_value(self, workspace: Workspace, kind: str) -> None:

@@ -1,8 +1,9 @@
 """What a human can see: what is before its eyes, and behind nothing.
 
 An object is seen if one of nine points of it (the middle of its box, and eight more inside) lies within 60 degrees of
-where the head faces, and no face of another object is between it and the point between the eyes. Humans hide nothing;
-what has no shape is not seen and hides nothing. How far away and how well lit it is does not count.
+the line of sight (15 degrees below where the head faces), and no face of another object is between it and the point
+between the eyes. Humans hide nothing; what has no shape is not seen and hides nothing. How far away and how well lit it
+is does not count.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, rotate
+from ahmss.body.sight import line_of_sight
 from ahmss.database.footprint import triangles_of
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
@@ -33,7 +35,6 @@ WORKS, WAITS = False, True
 _WIDEST = np.cos(np.radians(60.0))
 _NEAR = 0.03  # metres before a point within which a face belongs to it: a knob on a panel
 _INNER = 0.7  # of the half box: where the eight points are
-_AHEAD = np.array([0.0, 0.0, -1.0])  # of the head's frame
 _CORNERS = np.array([[0, 0, 0], *([x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))], float)
 _NOTHING = np.zeros((0, 3, 3))
 _NO_BOX = (np.zeros(3), np.full(3, -1.0))
@@ -41,19 +42,19 @@ _CHUNK = 256  # objects that are indexed in one go
 
 
 def eyes(actor: Actor) -> tuple[Array, Array]:
-    """The point between the eyes (3,), and the unit vector (3,) in which the head faces; in the world, metres."""
+    """The point between the eyes (3,), and the unit vector (3,) of the line of sight; in the world, metres."""
     places, world = forward(actor.rotations, actor.root, actor.skeleton.offsets)
     head = INDEX["head"]
-    return places[head] + rotate(world[head], actor.skeleton.eye), rotate(world[head], _AHEAD)
+    return line_of_sight(places[head], world[head], actor.skeleton.eye)
 
 
 @dataclass(frozen=True)
 class View:
     """One look at the world.
 
-    eye, ahead (3,): of the human. rows: of each object's name. poses (n, 7), middles and halves of boxes (n, 3) in the
-    objects' frames; a negative half is of what has no shape. centres (n, 3): the middles in the world. shapes: the
-    triangles (t, 3, 3) of each in its own frame.
+    eye, ahead (3,): of the human, its line of sight. rows: of each object's name. poses (n, 7), middles and halves of
+    boxes (n, 3) in the objects' frames; a negative half is of what has no shape. centres (n, 3): the middles in the
+    world. shapes: the triangles (t, 3, 3) of each in its own frame.
     """
 
     eye: Array

@@ -66,7 +66,7 @@ class Mind:
         """List the objects here, near ones first: name, what it is, distance, direction, place (x y z), states.
 
         Args:
-            seen_only: only those before your eyes now (within 60 degrees of where your head faces, and not hidden).
+            seen_only: only those before your eyes now (within 60 degrees of your line of sight, and not hidden).
         """
         with self.human() as client:
             things = client.seen() if seen_only else client.objects()

@@ -189,9 +189,9 @@ class Self(msgspec.Struct, frozen=True, tag="self"):
     """The human now.
 
     place: on the floor between its feet. facing_deg: its heading, 0 towards +x. eye, gaze: the point between its eyes,
-    and the unit vector in which the head faces. holds: objects and the hand of each ("": none, it is sat on).
-    doing: the numbers of the lines, the present one first. server: the world's address. frame, rate: frames made, and
-    frames a second. held: frames in which a motion was late.
+    and the unit vector of its line of sight, 15 degrees below where the head faces. holds: objects and the hand of each
+    ("": none, it is sat on). doing: the numbers of the lines, the present one first. server: the world's address.
+    frame, rate: frames made, and frames a second. late, held: frames that began late, and that a motion missed.
     """
 
     request: int

@@ -30,7 +30,7 @@ def test_every_tool_tells_what_it_does_and_what_each_argument_means(at_the_table
 
 def test_a_plan_is_followed_from_refusal_to_refusal_until_the_cup_is_lifted(at_the_table: Collaborator) -> None:
     mind = at_the_table
-    assert re.search(r"^room/cup: A cup .*\[0\.4 m ", mind.right("list_objects"), re.M)
+    assert re.search(r"^room/cup: A cup .*\[0\.4 m ahead; at 0\.42 -0\.15 0\.88\]$", mind.right("list_objects"), re.M)
     # A wrong name: the right one is in the sentence.
     meant = re.search(r"did you mean (\w+)\?", mind.wrong("act", object="cupp", action="lift"))
     assert meant is not None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import rotate
+from ahmss.body.sight import line_of_sight
 from ahmss.errors import CommandError
 from ahmss_viewer.camera import View, look_at
 from ahmss_viewer.stage import Stage
@@ -15,13 +15,10 @@ from ahmss_viewer.stage import Stage
 __all__ = ["view_of"]
 
 _FIELD = np.radians(75.0)  # from top to bottom: near to what two eyes take in at once
-_REST = np.radians(15.0)  # below the horizon, the normal line of sight of an upright head (MIL-STD-1472)
-
-_AT_REST = np.array([-np.sin(_REST), 0.0, -np.cos(_REST)])  # in the head's frame: x up, -z ahead
 
 
 def view_of(stage: Stage, name: str, target: Sequence[float] | None = None) -> View:
-    """The view from a human's eyes at a place, or a little below where its head faces; level, as one sees the world.
+    """The view from a human's eyes at a place, or along its line of sight; level, as one sees the world.
 
     Its own head is not in the picture: faces are drawn from outside only, and nothing nearer than 5 cm.
 
@@ -35,8 +32,8 @@ def view_of(stage: Stage, name: str, target: Sequence[float] | None = None) -> V
     """
     for actor in stage.actors.values():
         if actor.name == name:
-            place = actor.places[INDEX["head"]] + rotate(actor.head, actor.eye)
-            at = place + rotate(actor.head, _AT_REST) if target is None else np.array(target, float)
+            place, ahead = line_of_sight(actor.places[INDEX["head"]], actor.head, actor.eye)
+            at = place + ahead if target is None else np.array(target, float)
             return look_at(place, at, float(_FIELD))
     there = ", ".join(actor.name for actor in stage.actors.values()) or "nobody"
     raise CommandError(f'no human "{name}" to see by; there is: {there}')
