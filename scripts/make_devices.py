@@ -1,0 +1,135 @@
+"""Make the shapes, pictures and tables of keyboard, touch panel, manual and telephone in objectdb/.
+
+The same bytes each time.
+
+python scripts/make_devices.py [WORKSPACE]
+"""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from pathlib import Path
+
+from PIL import Image, ImageDraw
+from room_shapes import devices
+from room_shapes.dxf_out import write_dxf
+from room_shapes.lettering import drawn
+
+MODELS = ("keyboard", "touch_panel")
+DOTS = 40  # of the keyboard's picture, a centimetre
+
+
+def main(workspace: Path) -> None:
+    """Write everything below `workspace`/objectdb."""
+    objectdb = workspace / "objectdb"
+    for name in MODELS:
+        pieces, colors = getattr(devices, name)()
+        write_dxf(objectdb / name / f"{name}.dxf", pieces, colors)
+        print(f"{name:12} {sum(piece.triangles() for piece in pieces):6} triangles")
+    _keyboard(objectdb / "keyboard")
+
+
+def _keyboard(folder: Path) -> None:
+    """The picture of its legends, the table of its keys, and how each key looks while it is pressed."""
+    keys = devices.keys()
+    (folder / "keys.toml").write_text(_table(keys))
+    (folder / "object.toml").write_text(_object(keys))
+    caps = [piece for piece in devices.keyboard()[0] if piece.layer.startswith("key_")]
+    low = [min(float(p.corners[:, i].min()) for p in caps) for i in (0, 1)]
+    high = [max(float(p.corners[:, i].max()) for p in caps) for i in (0, 1)]
+    size = (round(DOTS * (high[1] - low[1])), round(DOTS * (high[0] - low[0])))
+    picture = Image.new("RGB", size, devices.PALE)  # as who types sees it
+    draw = ImageDraw.Draw(picture)
+    for key in keys:
+        middle = (DOTS * (key.at[1] - low[1]), DOTS * (key.at[0] - low[0]))
+        drawn(draw, key.legend, middle, DOTS * (0.62 if len(key.legend) < 2 else 0.42), devices.INK)
+    turned = picture.transpose(Image.Transpose.ROTATE_90)  # x to the right, y up
+    turned.quantize(32, dither=Image.Dither.NONE).save(folder / "legends.png", "PNG", optimize=False)
+
+
+def _table(keys: list[devices.Key]) -> str:
+    """Where each key is, what it writes, whose it is."""
+    lines = [
+        "# Written by scripts/make_devices.py. Keys by name: their middle, metres from the keyboard's to who types and",
+        "# to their right; how deep and wide they are; what they write; the finger that has them.",
+        f"travel = {0.01 * devices.TRAVEL:g}",
+        f"top = {0.01 * devices.TOP:g}                  # metres: how high the tops of the keys are",
+        "size = [0.132, 0.31, 0.02]",
+        "mass = 0.9",
+    ]
+    for key in keys:
+        x, y, deep, wide = (round(0.01 * value, 5) for value in (*key.at, *key.size))
+        lines += ["", f"[keys.{key.name}]", f"at = [{x}, {y}]", f"size = [{deep}, {wide}]"]
+        lines += [f'writes = "{key.writes}"', f'finger = "{key.finger}"']
+    return "\n".join(lines) + "\n"
+
+
+def _object(keys: list[devices.Key]) -> str:
+    """The object's file: its own lines, and an appearance for each key."""
+    names = ", ".join(f'"{name}"' for name in ["none", *(key.name for key in keys)])
+    caps = ", ".join(f'"key_{key.name}"' for key in keys)
+    text = KEYBOARD.replace("NAMES", _wrapped(names)).replace("CAPS", _wrapped(caps))
+    for key in keys:
+        text += f"""
+[[appearances]]
+parts = ["key_{key.name}", "skirt_{key.name}"]
+when = "key == {key.name}"
+by = "depth"
+move = [0.0, 0.0, {-0.01 * devices.TRAVEL:g}]
+lit = 0.5
+"""
+    return text
+
+
+def _wrapped(names: str) -> str:
+    return "\n    " + "\n    ".join(textwrap.wrap(names, 110, break_long_words=False)) + ",\n"
+
+
+KEYBOARD = """# Written by scripts/make_devices.py, which has the places of the keys.
+name = "keyboard"
+sentence = "A keyboard: it writes capitals, digits and signs, as one who touch-types presses its keys."
+shape = "keyboard.dxf"
+unit = "cm"
+texture = "legends.png"
+texture_layers = [CAPS]
+properties = "keys.toml"
+
+[sites.keys]                 # the middle of the tops of its keys: x to who types, z up
+position = [0.0, 0.0, 0.02]
+
+[sites.stand]                # before the desk that it lies on, for one who stands there
+position = [0.40, 0.0, -0.88]
+facing_deg = 180
+
+[states.text]                # what has been typed since the line was begun
+text = 200
+
+[states.entered]             # the line that was sent last, by the key enter
+text = 200
+
+[states.key]                 # the key that is being pressed
+values = [NAMES]
+
+[states.depth]               # how deep it is, of its travel
+range = [0.0, 1.0]
+
+[affordances.type]
+sentence = "Type a text, finger by finger, both hands over the home row."
+human_algorithm = "touch_type"
+object_algorithm = "typed"
+site = "keys"
+needs = { free_hands = 2 }
+frames = 0
+
+[affordances.look]
+sentence = "Turn the head to it."
+human_algorithm = "slerp"
+motion = "../television/look.npz"
+site = "keys"
+frames = 60
+"""
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent)

@@ -1,0 +1,114 @@
+"""touch and touched: the fingertip comes onto the glass where it is to, and the display answers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm.messages import Start
+from ahmss.body.array import Array
+from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.errors import AlgorithmError
+from ahmss.motion.smoothness import worst_pop
+
+from .devices import UP, acting, before, begun, device, mover, tips
+from .scene import Body, program
+
+GLASS = np.array([0.0154, -0.18, -0.12])  # the lower left corner of the screen, in the panel's frame
+
+
+class Panel:
+    """A touch panel somewhere, tilted, and somebody before it."""
+
+    def __init__(self, seed: int) -> None:
+        random = np.random.default_rng(seed)
+        turn = from_axis_angle(UP, random.uniform(-np.pi, np.pi))
+        tilt = from_axis_angle(np.array([0.0, 1.0, 0.0]), -np.radians(random.uniform(0.0, 35.0)))
+        self.frame = Transform(np.array([1.0, 2.0, random.uniform(1.0, 1.35)]), multiply(turn, tilt))
+        name = ("ken", "aiko")[seed % 2]
+        level = Transform(self.frame.place, turn)
+        self.body = before(name, level, random.uniform(0.42, 0.55), random.uniform(-0.1, 0.1), random.uniform(-15, 15))
+
+    def touched(self, states: dict[str, Any], **parameters: Any) -> tuple[Body, Start, list[HumanPose]]:
+        """The human's frames."""
+        start = begun(self.body, device("touch_panel", self.frame, states), "screen", parameters)
+        return self.body, start, self.body.do("touch", start)
+
+    def told(self, body: Body, start: Start, shown: list[HumanPose]) -> list[dict[str, Any]]:
+        """What the display says at each frame."""
+        made = frames(program("touched"), mover(body, start), body.rows(shown))
+        return [dict(pose.states) for pose in made]
+
+    def on_glass(self, body: Body, shown: list[HumanPose]) -> Array:
+        """The fingertip (F, 3): how far off the glass, to the right and up from the lower left corner."""
+        return self.frame.inverse().apply(tips(body, shown, acting(shown))) - GLASS
+
+
+def on_screen(tip: Array) -> Array:
+    """The frames in which a fingertip (F, 3) is on the glass: behind its plane, and not beside the panel."""
+    return np.flatnonzero((tip[:, 0] <= 0.0) & (tip[:, 1:] > 0.0).all(axis=1) & (tip[:, 1:] < (0.36, 0.24)).all(axis=1))
+
+
+SEEDS = [*range(4), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 50))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_tap_comes_onto_the_field_and_off_again(seed: int) -> None:
+    panel = Panel(seed)
+    body, start, shown = panel.touched({"page": "pump"}, field="start")
+    tip = panel.on_glass(body, shown)
+    on = on_screen(tip)
+    assert np.hypot(*(tip[on, 1:] - (0.09, 0.155)).T).max() < 0.002
+    assert tip[on, 0].min() > -0.002
+    assert 0.05 < len(on) / 60.0 < 0.22
+    assert tip[-1, 0] > 0.03
+    assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
+    told = panel.told(body, start, shown)
+    assert {"touched": "start", "power": "on"} in told
+    assert told[-1] == {}
+    assert {"touched": ""} in told
+
+
+@pytest.mark.parametrize("seed", SEEDS[:2] + SEEDS[4:])
+def test_a_slider_follows_the_finger(seed: int) -> None:
+    panel = Panel(seed)
+    body, start, shown = panel.touched({"page": "pump", "speed": 0.2}, field="speed", value=0.8, drag=True)
+    tip = panel.on_glass(body, shown)
+    on = on_screen(tip)
+    assert np.hypot(*(tip[on[0], 1:] - (0.18 - 0.3 * 0.24, 0.04))) < 0.002
+    assert np.hypot(*(tip[on[-1], 1:] - (0.18 + 0.3 * 0.24, 0.04))) < 0.002
+    assert (np.diff(tip[on, 1]) > -1e-4).all()
+    values = [states["speed"] for states in panel.told(body, start, shown) if "speed" in states]
+    assert values[-1] == pytest.approx(0.8, abs=0.005)
+    assert values == sorted(values)
+    assert len(values) > 12
+
+
+def test_a_page_changes_when_its_field_is_touched() -> None:
+    panel = Panel(0)
+    body, start, shown = panel.touched({}, field="pump")
+    assert {"touched": "pump", "page": "pump"} in panel.told(body, start, shown)
+
+
+def test_a_place_is_touched_as_well() -> None:
+    panel = Panel(1)
+    body, start, shown = panel.touched({}, x=0.27, y=0.07)
+    assert {"touched": "tank"} in panel.told(body, start, shown)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "told"),
+    [
+        ({"field": "start"}, '"start" is on the page pump; it shows now: pump, tank'),
+        ({"field": "valve"}, '"valve" is none of its fields; it shows now: pump, tank'),
+        ({"field": "pump", "drag": True}, '"pump" is no slider; sliders that it shows: none'),
+        ({}, "add field=, or x= y= in metres; fields that it shows: pump, tank"),
+        ({"x": 0.5, "y": 0.1}, "0.5 0.1 is not on the screen, which is 0.36 m wide and 0.24 m high"),
+    ],
+)
+def test_what_is_not_there_is_refused(parameters: dict[str, Any], told: str) -> None:
+    with pytest.raises(AlgorithmError, match=told):
+        Panel(0).touched({}, **parameters)
