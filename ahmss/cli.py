@@ -318,6 +318,24 @@ def new_algorithm(
     typer.echo(f"wrote {write(Found.find(workspace), name, kind, language)}")
 
 
+@new_app.command("panel")
+def new_panel(
+    name: str,
+    rows: Annotated[int, typer.Option(help="How many rows of controls.")] = 4,
+    columns: Annotated[int, typer.Option(help="How many in a row.")] = 10,
+    slope: Annotated[float, typer.Option(help="Of the plate in degrees; 0 is flat, 90 upright.")] = 60.0,
+    height: Annotated[float, typer.Option(help="Of the plate's middle over the floor, in metres.")] = 1.05,
+    of: Annotated[list[str] | None, typer.Option(help="A kind of control for each row, from the top.")] = None,
+    workspace: Workspace = None,
+) -> None:
+    """A panel of controls in one file. Example: ahmss new panel console --rows 2 --of push_button --of lever"""
+    from ahmss.database.panel import new_panel as write
+    from ahmss.database.workspace import Workspace as Found
+
+    file = write(Found.find(workspace), name, of or ["push_button"], rows, columns, slope, height)
+    typer.echo(f"wrote {file}")
+
+
 @app.command()
 def init(directory: Annotated[Path, typer.Argument(help="Where to.")]) -> None:
     """Lay out a workspace of your own. Example: ahmss init ~/my-room"""

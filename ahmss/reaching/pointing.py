@@ -6,10 +6,10 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import IDENTITY, between, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, between, conjugate, from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
-__all__ = ["palms_pointing", "pointing"]
+__all__ = ["apart_from", "palms_pointing", "pointing"]
 
 _CURLED = np.radians([70.0, 85.0, 50.0])  # knuckle, middle and end joint of the other fingers
 _STRAIGHT = np.radians([8.0, 4.0, 3.0])  # of the index: a finger that pushes is not quite straight
@@ -59,6 +59,31 @@ def palms_pointing(skeleton: Skeleton, side: str, place: Array, into: Array, *, 
     place = place - rotate(hand, tip)
     grip = skeleton.grips[row]
     return np.concatenate([place + rotate(hand, grip[:3]), multiply(hand, grip[3:])], axis=-1)
+
+
+def apart_from(skeleton: Skeleton, side: str, palms: Array) -> Array:
+    """Points (n, m, 3) of pointing hands whose palms are at (n, 7): what may touch the neighbours of what is pressed.
+
+    All bones of the hand, but for the end of the index finger.
+    """
+    row, shape = (1 if side == "left" else 0), pointing(side)
+    grip, first = skeleton.grips[row], fingers(side)[0]
+    rotation = multiply(palms[:, 3:7], conjugate(grip[3:]))
+    wrist = palms[:, :3] - rotate(rotation, grip[:3])
+    points = [np.zeros(3)]
+    for finger in ("thumb", "index", "middle", "ring", "little"):
+        place, turned = np.zeros(3), IDENTITY
+        for segment in ("proximal", "intermediate", "distal"):
+            link = INDEX.get(f"{side}_{finger}_{segment}")
+            if link is None:
+                continue
+            place = place + rotate(turned, skeleton.offsets[link])
+            turned = multiply(turned, shape[link - first])
+            points.append(place)
+            points.append(place + rotate(turned, 0.5 * skeleton.tips[link]))
+        if finger != "index":
+            points.append(place + rotate(turned, skeleton.tips[INDEX[f"{side}_{finger}_distal"]]))
+    return wrist[:, None] + rotate(rotation[:, None], np.array(points))
 
 
 def _fingertip(skeleton: Skeleton, side: str) -> tuple[Array, Array]:

@@ -1,0 +1,286 @@
+"""Controls on a panel: where one stands to use one, which neighbours a hand must not touch, and the steps there.
+
+A control's frame has x out of the panel and z up along it, so that one stands where its y axis has the level on the
+left. What its kind says of it as `box`, the lowest and the highest corner in its frame, is what others must not touch.
+What the shipped algorithms that use controls share, and an author may use.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ahmss.algorithm.place import Transform, WorldObject
+from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, sides_of
+from ahmss.algorithm.stepping import ground_of, stepped, walk_library
+from ahmss.algorithm.task import HumanFrame, HumanTask
+from ahmss.algorithm.tucking import Tucking
+from ahmss.body.array import Array
+from ahmss.body.inverse import GAZE
+from ahmss.body.links import LINKS
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.errors import AlgorithmError
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.leaning import Stretch, stretch_of
+from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.prism import Prism
+from ahmss.reaching.reacher import Reacher, heading_of
+from ahmss.reaching.steps import Steps
+from ahmss.walking import goals
+from ahmss.walking.journey import Standing, footing
+from ahmss.walking.obstacles import nearest_free
+
+__all__ = ["Box", "before", "begun_at", "boxes_of", "front_of", "gone_to", "in_the_way", "otherwise", "stood_before"]
+
+_UP = np.array([0.0, 0.0, 1.0])
+_Y = np.array([0.0, 1.0, 0.0])
+_NEAR = 0.6  # metres from a control within which others are looked at
+_CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
+_AWAY = (0.42, 0.5, 0.36, 0.58, 0.3, 0.68)  # metres from the control to who stands before it, level; the best first
+_ASIDE = 0.14  # metres that the hand's own side is before the control
+_AT_EASE, _FROM_HERE = (
+    0.9,
+    1.02,
+)  # of the arm's length: where one would stand; up to where one leans instead of stepping
+_FACING = np.radians(55.0)  # that a control is aside of who uses it from where they stand
+_SEEN_FROM = np.cos(np.radians(70.0))  # how far aside of a control's axis one may stand to use it
+_MOST = 12.0  # metres that are walked to a control
+_STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
+_OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
+_SEES = np.radians(65.0)  # aside of where one goes, up to where one looks at it on the way
+_LAG = 0.07  # seconds of each of three lags by which the gaze turns then
+_TARGETS = 220  # the first of a row's targets
+_SPARSE = 3  # every so many palms show how easily an arm comes there
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """What a control fills: its frame in the world, the lowest and highest corner (3,) in it."""
+
+    frame: Transform
+    low: Array
+    high: Array
+
+    def gap(self, points: Array) -> Array:
+        """The distance (...) of points (..., 3) of the world from it, negative within."""
+        own = self.frame.inverse().apply(points)
+        off = np.maximum(self.low - own, own - self.high)
+        return np.linalg.norm(np.maximum(off, 0.0), axis=-1) + np.minimum(off.max(axis=-1), 0.0)
+
+    def prism(self) -> Prism:
+        """The upright prism about it."""
+        corners = np.stack(np.meshgrid(*zip(self.low, self.high, strict=True), indexing="ij"), axis=-1).reshape(8, 3)
+        places = self.frame.apply(corners)
+        hull = shapely.convex_hull(shapely.MultiPoint(places[:, :2]))
+        ring = shapely.get_coordinates(hull)[:-1]
+        return Prism(ring, float(places[:, 2].min()), float(places[:, 2].max()))
+
+
+def boxes_of(task: HumanTask) -> list[Box]:
+    """The other controls near the one that is used."""
+    if task.object is None:
+        return []
+    at = task.object.place
+    return [
+        box
+        for thing in task.world.values()
+        if (box := _box(thing)) is not None and float(np.linalg.norm(thing.place - at)) < _NEAR
+    ]
+
+
+def in_the_way(task: HumanTask, boxes: Sequence[Box]) -> list[Prism]:
+    """What a hand on its way to a control keeps clear of: what stands about, and its neighbours."""
+    near = [prism for prism in prisms_of(task) if prism.high - prism.low > 0.05]
+    return near + [box.prism() for box in boxes]
+
+
+def front_of(control: Transform) -> Array:
+    """The level direction (2,), unit, in which one stands before a control."""
+    y = rotate(control.rotation, _Y)
+    front = np.array([y[1], -y[0]])  # y cross up
+    length = float(np.linalg.norm(front))
+    if length < 0.3:  # turned on its side: where it looks
+        front = rotate(control.rotation, np.array([1.0, 0.0, 0.0]))[:2]
+        length = float(np.linalg.norm(front))
+    return front / length if length > 1e-6 else np.array([1.0, 0.0])
+
+
+def before(task: HumanTask, away: float, aside: float = 0.0) -> goals.Goal:
+    """Where one stands so far before the task's control, and so far to the left of it, clear of what stands about."""
+    assert task.object is not None
+    front = front_of(task.object.frame)
+    left = np.array([front[1], -front[0]])  # of who looks at it
+    wanted = task.object.place[:2] + away * front + aside * left
+    free = nearest_free(wanted, ground_of(task).outlines, _CLEAR)
+    return goals.Goal(free, float(np.arctan2(-front[1], -front[0])))
+
+
+def stood_before(
+    task: HumanTask, goal: Goal, prisms: Sequence[Prism]
+) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """The task from where the control can be used, as it is or after steps (n, 260) to there; and the gaze on its way.
+
+    Args:
+        task: who uses the control; without a walk library nobody steps. goal: of the hand, its palms known.
+        prisms: what may be in the way.
+
+    Raises:
+        AlgorithmError: no place to stand serves; says by how much the arm is too short from the best.
+    """
+    assert task.object is not None
+    gaze = Looking(task, goal.place)
+    if task.library is None:
+        return task, gaze
+    here = yield from gaze.during(_stretch(task, Reaching(task.human, task.start.rotations, task.start.root), goal))
+    if here.stretched < _FROM_HERE and here.found and _faces(task):
+        return task, gaze
+    stand = yield from gaze.during(_best_stand(task, goal, prisms))
+    return (yield from gone_to(task, stand, gaze))
+
+
+def otherwise(goal: Goal, plan: Plan) -> Goal:
+    """The goal without the palms that are turned about as a plan's is; as it was where there are no others."""
+    palms = dict(goal.palms)
+    own = palms[plan.reacher.side]
+    turned = 2.0 * np.arccos(np.clip(np.abs(own[:, 3:] @ plan.palm[3:]), 0.0, 1.0))
+    if (turned > _OTHERWISE).any():
+        palms[plan.reacher.side] = own[turned > _OTHERWISE]
+    return replace(goal, palms=palms)
+
+
+def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """The task from where one uses its control, after steps (n, 260) to there, the eyes on it while it is ahead.
+
+    Raises:
+        AlgorithmError: it is too far, or nobody gets there.
+    """
+    assert task.object is not None
+    steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=task.object.name)
+    tucking, rotations = Tucking(task), task.start.rotations.copy()
+    watching = _Watching(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
+    while True:
+        try:
+            rows = tucking.over(next(steps))
+        except StopIteration as end:
+            held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy))] if task.busy else []
+            rotations[held] = end.value.rotations[held]
+            moved = begun_at(task, rotations, end.value.root)
+            return moved, watching.goes_on(moved)
+        rotations = rows[-1, 4:176].reshape(43, 4).copy()
+        yield watching.over(rows)
+
+
+class _Watching:
+    """The gaze of who goes to a control: on it while it is ahead."""
+
+    def __init__(self, gaze: Looking, turned: float, rate: float) -> None:
+        self._place, self._levels = gaze.place, [turned] * 3
+        self._share = 1.0 - np.exp(-1.0 / (_LAG * rate))
+
+    def over(self, rows: Array) -> Array:
+        """POSE rows (n, 260), the gaze added."""
+        rows = rows.copy()
+        targets = rows[:, _TARGETS:].reshape(-1, 5, 8)
+        for k, row in enumerate(rows):
+            off = self._place[:2] - row[1:3]
+            aside = np.arctan2(off[1], off[0]) - heading_of(row[4:176].reshape(43, 4), row[1:4])
+            wanted = float(abs((aside + np.pi) % (2.0 * np.pi) - np.pi) < _SEES)
+            for i, level in enumerate(self._levels):
+                self._levels[i] = wanted = level + self._share * (wanted - level)
+            targets[k, GAZE, :3], targets[k, GAZE, 7] = self._place, wanted
+        rows[:, _TARGETS:] = targets.reshape(-1, 40)
+        return rows
+
+    def goes_on(self, task: HumanTask) -> Looking:
+        """The gaze of who has arrived, as far on its way as it is."""
+        gaze = Looking(task, self._place)
+        frames = np.arange(0.0, task.rate)
+        gaze.frames = int(np.searchsorted(gaze.turned(frames), min(self._levels[-1], 1.0 - 1e-6)))
+        return gaze
+
+
+def begun_at(task: HumanTask, rotations: Array, root: Array) -> HumanTask:
+    """The task as one that begins in a pose (43, 4), (3,)."""
+    moved = copy.copy(task)
+    row = task.start.row.copy()
+    row[1:4], row[4:176] = root, rotations.reshape(172)
+    moved.start = HumanFrame(row)
+    return moved
+
+
+def _faces(task: HumanTask) -> bool:
+    """Whether the human stands before the control and looks there, more or less."""
+    assert task.object is not None
+    standing = Standing.of(task.human, walk_library(task))
+    now = footing(task.human, task.start.rotations, task.start.root, standing)
+    off = task.object.place[:2] - now.place
+    length = max(float(np.linalg.norm(off)), 1e-9)
+    aside = (np.arctan2(off[1], off[0]) - now.heading + np.pi) % (2.0 * np.pi) - np.pi
+    return bool(abs(aside) < _FACING and -off @ front_of(task.object.frame) / length > _SEEN_FROM)
+
+
+def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[goals.Goal]:
+    """Where the arm comes to the control most easily.
+
+    Raises:
+        AlgorithmError: nowhere; says by how much it is too short.
+    """
+    assert task.object is not None
+    best: tuple[float, goals.Goal] | None = None
+    for side in sides_of(task):
+        sign = 1.0 if side == "right" else -1.0
+        for away in _AWAY:
+            stand = before(task, away, sign * _ASIDE)
+            arm = yield from _stretch(task, _reaching(task, stand), goal, (side,))
+            worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
+            if best is None or worth < best[0]:
+                best = worth, stand
+            if arm.found and arm.stretched < _AT_EASE:
+                break
+            yield
+    assert best is not None
+    reaching = _reaching(task, best[1])
+    reacher = yield from reaching.better_side(goal, sides_of(task))
+    _, _, arm = yield from reaching.posture(reacher, goal, prisms)
+    if arm.missing > MOST_MISSING:
+        x, y = best[1].place.tolist()
+        raise AlgorithmError(
+            f"{task.object.name} is out of reach: the {reacher.side} arm is {arm.missing:.2f} m too short for it, even "
+            f"from where one stands nearest to it, at {x:.2f} {y:.2f}; have somebody taller do it, or move it"
+        )
+    return best[1]
+
+
+def _reaching(task: HumanTask, stand: goals.Goal) -> Reaching:
+    """Who would stand there."""
+    rotations, root = task.human.upright()
+    rotations = rotations.copy()
+    turn = from_axis_angle(_UP, np.array(stand.facing or 0.0))
+    rotations[0] = multiply(turn, rotations[0])
+    return Reaching(task.human, rotations, rotate(turn, root) + np.append(stand.place, 0.0))
+
+
+def _stretch(task: HumanTask, reaching: Reaching, goal: Goal, sides: tuple[str, ...] | None = None) -> Steps[Stretch]:
+    """How the better arm comes to the goal, the trunk as it is."""
+    found: list[Stretch] = []
+    for side in sides_of(task) if sides is None else sides:
+        reacher = Reacher.of(task.human, side)
+        palms = reaching.palms(reacher, goal)[::_SPARSE]
+        _, arm = yield from stretch_of(reacher, palms, reaching.base, reaching.present(reacher), ())
+        found.append(arm)
+        yield
+    return min(found, key=lambda arm: (not arm.found, arm.cost))
+
+
+def _box(thing: WorldObject) -> Box | None:
+    """What a control of a kind that says it fills."""
+    told: Any = thing.properties.get("box")
+    if not isinstance(told, list | tuple) or len(told) != 2:  # pyright: ignore[reportUnknownArgumentType]
+        return None
+    low, high = (np.array(corner, float) for corner in told)  # pyright: ignore[reportUnknownVariableType]
+    return Box(thing.frame, low, high)
