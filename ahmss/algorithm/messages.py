@@ -141,6 +141,9 @@ class SiteRecord(msgspec.Struct, frozen=True, omit_defaults=True):
         Literal["", "power", "precision"],
         Meta(description='how a hand takes it: "power", wrapped about its z; "precision", thumb and tips along its z'),
     ] = ""
+    id: Annotated[
+        int, Meta(description="of a human: the number by which FRAME tells where it is in the world; 0: it stays")
+    ] = 0
 
 
 class ShapeRecord(msgspec.Struct, frozen=True):

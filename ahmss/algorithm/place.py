@@ -60,7 +60,7 @@ class WorldObject:
     footprint: outlines (n, 2) of the area on the floor that it occupies for a walker, in its frame turned about z
     only, counter-clockwise, without holes; empty where algorithm.toml does not ask for `footprints`, and for what is
     under 5 cm, over 1.9 m, or in the hands of the acting human. seen: of a human, the last frames in which it moved:
-    the frame, x and y.
+    the frame, x and y. moved: of a human, where sites that move by themselves are in the world, by their ids.
     shape: of the target, where algorithm.toml asks for `shape` and it has one; read when first looked at.
     """
 
@@ -75,6 +75,7 @@ class WorldObject:
     footprint: tuple[Array, ...] = ()
     shape: TargetShape | None = field(default=None, compare=False)
     seen: deque[tuple[float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
+    moved: dict[int, Transform] = field(default_factory=dict[int, Transform], repr=False, compare=False)
 
     @classmethod
     def of(cls, record: ObjectRecord) -> WorldObject:
@@ -106,7 +107,8 @@ class WorldObject:
         """
         if name not in self.sites:
             raise KeyError(f"{self.name} has no site {name!r}; it has: {', '.join(self.sites) or 'none'}")
-        return resolve_site(self.frame, self.sites[name], human)
+        site = self.sites[name]
+        return self.moved.get(site.id) or resolve_site(self.frame, site, human)
 
 
 def resolve_site(frame: Transform, site: SiteRecord, human: Array) -> Transform:

@@ -79,6 +79,9 @@ class Task:
         self.object = WorldObject.of(start.object) if start.object is not None else None
         self.notes: list[str] = []
         self.world = {record.id: WorldObject.of(record) for record in start.world}
+        about = [thing for thing in (self.goal_object, self.object) if thing is not None]
+        self._about = {thing.id: thing for thing in about}
+        self._sites = {site.id: thing for thing in about for site in thing.sites.values() if site.id}
 
     @property
     def busy(self) -> tuple[str, ...]:
@@ -216,10 +219,14 @@ class Task:
 
     def _move(self, k: float, number: int, place: Array, rotation: Array) -> None:
         """An object is elsewhere now, at frame k; one that is not known is not missed, a human who has come is."""
-        target = self.object if self.object is not None and self.object.id == number else self.world.get(number)
-        if target is None and number < 0:
-            target = self.world[number] = WorldObject(number, "", "human", place.copy(), rotation.copy())
-        if target is not None:
+        if number in self._sites:
+            self._sites[number].moved[number] = Transform(place.copy(), rotation.copy())
+            return
+        targets = [about[number] for about in (self._about, self.world) if number in about]
+        if not targets and number < 0:
+            targets = [WorldObject(number, "", "human", place.copy(), rotation.copy())]
+            self.world[number] = targets[0]
+        for target in targets:
             target.place[:] = place
             target.rotation[:] = rotation
             if target.kind == "human":

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import msgspec
 import numpy as np
 
+from ahmss.body.links import LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.database.document import Document, one_of
 from ahmss.database.freshness import Watched
@@ -22,7 +23,8 @@ __all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ForwardEntry", "ObjectF
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 Place = tuple[str | int, ...]
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "inch": 0.0254, "foot": 0.3048}
-_NEEDS = {"reach", "stature", "free_hands"}
+_NEEDS = {"reach", "stature", "free_hands", "full_hands"}
+_PARTS = ("eyes", "right_palm", "left_palm", *LINKS)
 
 
 class _Turn(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -37,6 +39,7 @@ class SiteEntry(_Turn):
     position: Vector = (0.0, 0.0, 0.0)
     free_axis: Literal["", "z"] = ""
     grip: Literal["", "power", "precision"] = ""
+    part: str = ""
 
 
 class ContainedEntry(_Turn):
@@ -60,7 +63,7 @@ class AffordanceEntry(msgspec.Struct, forbid_unknown_fields=True):
     when: str | None = None
     needs: dict[str, float] = {}
     frames: int = 60
-    hold: Literal["", "take", "keep", "release"] = ""
+    hold: Literal["", "take", "keep", "release", "give", "receive"] = ""
 
 
 class ForwardEntry(msgspec.Struct, forbid_unknown_fields=True):
@@ -197,7 +200,9 @@ class _Reader:
     def _site(self, raw: dict[str, Any], place: Place) -> Site:
         self._name(str(place[-1]), place)
         entry = self.document.convert(raw, SiteEntry, place)
-        return Site(entry.position, self._rotation(entry, place), entry.free_axis, entry.grip)
+        if entry.part and entry.part not in _PARTS:
+            raise self.error((*place, "part"), f'no part of a human "{entry.part}"{one_of(entry.part, _PARTS)}')
+        return Site(entry.position, self._rotation(entry, place), entry.free_axis, entry.grip, entry.part)
 
     def _contains(self, top: ObjectFile) -> tuple[Contained, ...]:
         out: dict[str, Contained] = {}

@@ -39,12 +39,14 @@ class Site(msgspec.Struct, frozen=True):
 
     With `free_axis = "z"` the site's turn about its z axis is free: an algorithm turns it so that its x points away
     from the acting human. grip: how a hand takes it, "power" or "precision"; "" where nothing is said.
+    part: of a human, in whose frame it is then: "eyes", "right_palm", "left_palm", or a link; "": the object's frame.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
     rotation: Quaternion = (1.0, 0.0, 0.0, 0.0)
     free_axis: str = ""
     grip: str = ""
+    part: str = ""
 
 
 class Affordance(msgspec.Struct, frozen=True):
@@ -52,9 +54,10 @@ class Affordance(msgspec.Struct, frozen=True):
 
     asks: what the dialogue asks besides the number of frames, of goal_position, facing, goal_posture, hand.
     frames: how many it takes if nobody says; 0: the algorithm ends it itself.
-    needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands (0 to 2).
+    needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands and full_hands (0 to 2).
     hold: "" (an object algorithm claims the object for the motion only), "take" (the object is claimed and its
-    algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go).
+    algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go); of a human "give"
+    (what is in the hand becomes theirs) and "receive" (what they hold becomes one's own).
     of: the name of what the object contains and what affords the action in its place; "": the object itself.
     """
 

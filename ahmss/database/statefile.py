@@ -16,14 +16,17 @@ from ahmss.states.behaviour import Appearance, Consequence
 from ahmss.states.condition import Condition, parse_condition
 from ahmss.states.state import State
 
-__all__ = ["HELD", "affording", "read_appearances", "read_condition", "read_consequences", "read_states"]
+__all__ = ["HELD", "ONESELF", "affording", "read_appearances", "read_condition", "read_consequences", "read_states"]
 
 HELD = "held"
 """What `when` of an action may ask beside the object's states: who has it in the hand."""
 
+ONESELF = "oneself"
+"""What it may ask as well: whether the object is the human who acts."""
+
 _MOST_TEXT = 1000  # characters
 _WAY = re.compile(r"(\.\.(/|$))*([A-Za-z][\w-]*(/[A-Za-z][\w-]*)*)?")
-_HELD = State("no", ("no", "here", "elsewhere"))
+_KNOWN = {HELD: State("no", ("no", "here", "elsewhere")), ONESELF: State("no", ("no", "yes"))}
 Vector = tuple[float, float, float]
 Place = tuple[str | int, ...]
 
@@ -63,8 +66,8 @@ class ConsequenceEntry(msgspec.Struct, forbid_unknown_fields=True, rename={"sour
 
 
 def affording(states: Mapping[str, State]) -> dict[str, State]:
-    """What the `when` of an action may ask: the states, and whether the object is held."""
-    return {**states, HELD: _HELD}
+    """What the `when` of an action may ask: the states, whether the object is held, and whether it is oneself."""
+    return {**states, **_KNOWN}
 
 
 def read_states(document: Document, entries: Mapping[str, dict[str, Any]]) -> dict[str, State]:
@@ -76,8 +79,8 @@ def read_states(document: Document, entries: Mapping[str, dict[str, Any]]) -> di
     out: dict[str, State] = {}
     for name, raw in entries.items():
         place: Place = ("states", name)
-        if name == HELD:
-            raise document.error(place, '"held" is known of every object; choose another name')
+        if name in _KNOWN:
+            raise document.error(place, f'"{name}" is known of every object; choose another name')
         entry = document.convert(raw, StateEntry, place)
         if [bool(entry.values), entry.range is not None, entry.text is not None].count(True) != 1:
             raise document.error(place, 'a state has values = ["off", "on"], or range = [0.0, 1.0], or text = 80')
@@ -106,7 +109,7 @@ def read_condition(document: Document, text: str | None, states: Mapping[str, St
     for clause in condition.clauses():
         state = states.get(clause.state)
         if state is None:
-            have = ", ".join(name for name in states if name != HELD) or "none"
+            have = ", ".join(name for name in states if name not in _KNOWN) or "none"
             raise document.error(place, f'no state "{clause.state}"; this object has: {have}')
         if state.is_number and isinstance(clause.value, str):
             raise document.error(place, f'"{clause.state}" is a number, never "{clause.value}"')

@@ -12,9 +12,10 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import Affordance, ObjectKind
-from ahmss.database.statefile import HELD
+from ahmss.database.statefile import HELD, ONESELF
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
+from ahmss.main.company import KIND
 from ahmss.main.description import Scene
 from ahmss.world.schema import ObjectRecord
 
@@ -70,8 +71,10 @@ def why_not(what: Meant, actor: Actor, title: str = "") -> str:
     held = _held(what, actor)
     mine = held == "here"
     states = {name: value for name, value in record.states.items() if not isinstance(value, bool)}
-    if affordance.when is not None and not affordance.when.holds({**states, HELD: held}):
-        shown = {**states, HELD: held} if any(c.state == HELD for c in affordance.when.clauses()) else states
+    known = {HELD: held, ONESELF: "yes" if record.kind == KIND and what.name == actor.name else "no"}
+    if affordance.when is not None and not affordance.when.holds({**states, **known}):
+        asked = {clause.state for clause in affordance.when.clauses()}
+        shown = states | {name: value for name, value in known.items() if name in asked}
         now = ", ".join(f"{name} is {value}" for name, value in shown.items()) or "it has no states"
         return f"{title}: only when {affordance.when.text}; {now}"
     lacks = _lacks(affordance, actor)
@@ -106,6 +109,7 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
         "reach": reach(actor.skeleton),
         "stature": actor.skeleton.stature,
         "free_hands": 2.0 - len(set(actor.holds.values()) - {""}),
+        "full_hands": float(len(set(actor.holds.values()) - {""})),
     }
     for need, least in affordance.needs.items():
         if has.get(need, math.inf) < least - 1e-9:

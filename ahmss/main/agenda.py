@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from ahmss.errors import AhmssError, CommandError, WorldError
 from ahmss.main.aside import aside, at_once
 from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
+from ahmss.main.company import KIND
 from ahmss.main.comparing import Comparison
 from ahmss.main.database import find_object
 from ahmss.main.joined import longest, refuse_two_carriers, title
@@ -209,6 +210,8 @@ class Agenda:
     def _add(self, line: Add, step: Step) -> None:
         """Shapes are read and sent in a thread, so that the body stays alive; in lockstep at once."""
         main = self._main
+        if line.kind == KIND:
+            raise CommandError(f"another human needs a main of its own; type: ahmss main --human {line.name or 'NAME'}")
         scene = main.communication
         name = scene.free_name(line)
         begin = at_once if self._setup.lockstep else aside

@@ -8,6 +8,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 from ahmss.main.afforded import Actor, meant, offered
 from ahmss.main.communication import Communication
+from ahmss.main.company import KIND
 from ahmss.main.database import find_object
 from ahmss.main.dialogue import Listing
 from ahmss.world.schema import ObjectRecord
@@ -28,7 +29,10 @@ class WorldCatalogue:
     def objects(self) -> Listing:
         """The objects in the world, each with its kind's sentence and its states."""
         entries: list[tuple[str, str]] = []
+        kinds = self._workspace.objects.names()
         for name, record in dict(self._communication.objects).items():
+            if record.kind == KIND and KIND not in kinds:  # nothing says what humans afford
+                continue
             try:
                 sentence = self._workspace.objects.get(record.kind).sentence
             except AhmssError as error:
@@ -55,7 +59,7 @@ class WorldCatalogue:
 
     def kinds(self) -> Listing:
         """The kinds of the object database, broken ones with what is wrong."""
-        kinds = self._workspace.objects.list()
+        kinds = [kind for kind in self._workspace.objects.list() if kind.name != KIND]
         return Listing("kinds of objects", tuple((kind.name, kind.error or kind.sentence) for kind in kinds))
 
     def asks(self, name: str, action: str) -> tuple[Sequence[str], int]:

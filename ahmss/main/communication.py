@@ -11,6 +11,7 @@ import numpy as np
 
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
+from ahmss.body.quaternion import normalize
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.placement import Placed
 from ahmss.database.shape import Shape
@@ -18,6 +19,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import Unreachable, WorldError
 from ahmss.main import people
 from ahmss.main.command import Add
+from ahmss.main.company import Body, Everything, Humans, place_of
 from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
@@ -46,10 +48,15 @@ class Communication:
         self._complained: dict[str, int] = {}
         self._lost: set[str] = set()
         self._said: dict[str, tuple[int, dict[str, StateValue]]] = {}
+        self._skeletons: dict[str, Skeleton] = {}
 
     @property
     def objects(self) -> Mapping[str, ObjectRecord]:
-        """The records of the world's objects, with the states that this human has changed last."""
+        """The records of the world's objects, with the states that this human has changed last, and of its humans."""
+        return Everything(self._things, Humans(self.world))
+
+    @property
+    def _things(self) -> Mapping[str, ObjectRecord]:
         records = self.world.objects
         if not self._said:
             return records
@@ -91,9 +98,23 @@ class Communication:
             self.client.collect()
 
     def pose(self, name: str) -> Array:
-        """Where an object is (7,): where this human put it last, or where the world has it."""
+        """Where an object is (7,): where this human put it last, or where the world has it; of a human on the floor."""
         own = self._own.get(name)
-        return own[1] if own else self.world.pose(name)
+        if own:
+            return own[1]
+        return self.world.pose(name) if name in self.world.objects else place_of(self.world, name)
+
+    def body(self, name: str) -> Body:
+        """A human of the world, as it is shown now. Asks the server for its skeleton where it is met first.
+
+        Raises:
+            WorldError: the server has no such skeleton, or does not answer.
+        """
+        record = self.world.humans[name]
+        if record.skeleton not in self._skeletons:
+            self._skeletons[record.skeleton] = Skeleton.from_record(self.client.skeleton(record))
+        root, rotations = self.world.human(name)
+        return Body(self._skeletons[record.skeleton], normalize(rotations), root)
 
     def others(self) -> list[messages.ObjectRecord]:
         """The other humans, as algorithms are told of them."""

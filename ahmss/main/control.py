@@ -13,6 +13,7 @@ from ahmss.body.array import Array
 from ahmss.errors import AhmssError, Unreachable
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
+from ahmss.main.company import met, numbers, rows_of_sites
 from ahmss.main.database import Actor, Database, Order
 from ahmss.main.motion import Motion, Mover
 from ahmss.main.people import People
@@ -219,7 +220,8 @@ class Control:
             self._fail(motion, str(error))
             return
         target = () if order.human_algorithm.world == "none" else (seen.objects[order.object].id,)
-        motion.knows = known((*target, *(record.id for record in start.world)))
+        motion.knows = known({*target, *numbers(start), *(record.id for record in start.world)})
+        motion.company = met(start)
         motion.k = 1
         motion.process.ask(self._frame(1, None, NOTHING))
 
@@ -323,14 +325,19 @@ class Control:
             self._surroundings.forget()
         if self._asked_for_humans:
             others = self._people.moved(self._communication.world, self._communication.human)
-            self._changes = np.concatenate([self._changes, others])
+            company = dict.fromkeys(name for motion in self._motions for name in motion.company)
+            sites = rows_of_sites(self._database.workspace, self._communication, company) if company else NOTHING
+            self._changes = np.concatenate([self._changes, others, sites])
         else:
             self._people.forget()
 
     @property
     def _asked_for_humans(self) -> bool:
         """Whether an algorithm wants to know where the other humans are."""
-        if any(motion.process is not None and motion.order.human_algorithm.humans for motion in self._motions):
+        if any(
+            motion.process is not None and (motion.company or motion.order.human_algorithm.humans)
+            for motion in self._motions
+        ):
             return True
         entries = [mover.order.object_algorithm for mover in self._movers.values() if mover.process is not None]
         return any(entry is not None and entry.humans for entry in entries)

@@ -84,7 +84,8 @@ class Database:
                 for affordance in kind.affordances.values():
                     if affordance.frames == 0 and affordance.motion is not None:
                         entry = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
-                        found[affordance.motion] = entry
+                        if affordance.motion not in found or affordance.motion.parent == kind.directory:
+                            found[affordance.motion] = entry  # whose motion it is, rather than who steps with it
         return [(entry, motion) for motion, entry in found.items()]
 
     def order(self, act: Act, scene: Scene, actor: Actor) -> Order:

@@ -10,12 +10,14 @@ import numpy as np
 
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
+from ahmss.main.company import KIND, Body, parts, site_number
 from ahmss.world.schema import ObjectRecord
 
-__all__ = ["Description", "Scene", "describe", "four", "triple"]
+__all__ = ["Description", "Scene", "describe", "describe_human", "four", "triple"]
 
 _NEAR = 5.0  # metres: what an algorithm that asks for the near world is told of
 
@@ -36,6 +38,10 @@ class Scene(Protocol):
         """The other humans, now."""
         ...
 
+    def body(self, name: str) -> Body:
+        """A human's body, now."""
+        ...
+
 
 def describe(
     workspace: Workspace, record: ObjectRecord, pose: Array, footprint: list[list[messages.Point]] | None = None
@@ -53,6 +59,26 @@ def describe(
         record.id, record.name, record.kind, triple(pose[:3]), four(pose[3:]), sites, kind.properties,
         dict(record.states), footprint or [],
     )  # fmt: skip
+
+
+def describe_human(workspace: Workspace, scene: Scene, name: str) -> messages.ObjectRecord:
+    """A human as an object: the sites that belong to parts of its body have numbers, as they move by themselves.
+
+    Raises:
+        AhmssError: its kind is broken, or its skeleton can't be had.
+    """
+    record, pose = scene.objects[name], scene.pose(name)
+    told = describe(workspace, record, pose)
+    kind = workspace.objects.get(record.kind)
+    moving = [site for site in kind.sites if kind.sites[site].part]
+    rows = parts(scene.body(name), [kind.sites[site] for site in moving])
+    back = conjugate(pose[3:])
+    sites = dict(told.sites)
+    for site, row in zip(moving, rows, strict=True):
+        place, rotation = rotate(back, row[:3] - pose[:3]), multiply(back, row[3:])
+        number = site_number(-record.id, list(kind.sites).index(site))
+        sites[site] = messages.SiteRecord(triple(place), four(rotation), id=number)
+    return msgspec.structs.replace(told, sites=sites)
 
 
 class Description:
@@ -80,6 +106,8 @@ class Description:
     def _object(self, name: str) -> messages.ObjectRecord:
         """An object without its shape."""
         record, pose = self._scene.objects[name], self._scene.pose(name)
+        if record.kind == KIND:
+            return describe_human(self._workspace, self._scene, name)
         return describe(self._workspace, record, pose, self._footprint(name, record.kind, pose))
 
     def _shape(self, kind: str) -> messages.ShapeRecord | None:
@@ -93,7 +121,7 @@ class Description:
     def goal(self, goal: messages.Goal) -> messages.Goal:
         """The goal, with its object's footprint."""
         target = goal.object
-        if target is None or not self._entry.footprints:
+        if target is None or not self._entry.footprints or target.kind == KIND:
             return goal
         footprint = self._footprint(target.name, target.kind, np.array([*target.place, *target.rotation]))
         return msgspec.structs.replace(goal, object=msgspec.structs.replace(target, footprint=footprint))
@@ -103,7 +131,7 @@ class Description:
         found: list[messages.ObjectRecord] = []
         asked = self._entry.world
         for name in self._scene.objects if asked != "none" else ():
-            if name == target:
+            if name == target or self._scene.objects[name].kind == KIND:  # humans come as `humans` asks
                 continue
             if asked == "all" or float(np.linalg.norm(self._scene.pose(name)[:3] - root)) <= _NEAR:
                 try:

@@ -94,6 +94,7 @@ class Motion:
         number: tells motions apart in the blend. countdown: frames until it starts, once what it `follows` is over.
         process: its human algorithm. given: what it gives to the blend, once its first frame has come.
         knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
+        company: the humans that it is about.
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
     """
@@ -105,6 +106,7 @@ class Motion:
         self.given: Contribution | None = None
         self.mover: Mover | None = None
         self.knows, self.missed = known(()), NOTHING
+        self.company: tuple[str, ...] = ()
         self.k = 0
         self.carried = False
         self.over = False

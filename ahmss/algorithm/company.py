@@ -1,0 +1,89 @@
+"""Another human as an algorithm sees them: where their eyes are, how far they stand, and whether one faces them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.edit import floor_frame
+
+__all__ = ["Watching", "aside_of", "eye_of"]
+
+_EYES = "eyes"
+_BEHIND = np.radians(115.0)  # from straight ahead: farther round neither neck nor waist goes
+_SECONDS = 0.3  # in which the gaze comes and goes
+_SHARE = 0.9  # of the angle to a place that the head makes, the rest is the eyes'
+_HEAD = INDEX["head"]
+
+
+def eye_of(task: HumanTask) -> Array:
+    """The point between one's own eyes now (3,), in the world."""
+    places, turned = forward(task.present.rotations, task.present.root, task.human.offsets)
+    return places[_HEAD] + rotate(turned[_HEAD], task.human.eye)
+
+
+def aside_of(task: HumanTask, place: Array) -> float:
+    """How far a place (3,) is to the left of where one's hips face now, radians."""
+    at, turn = floor_frame(task.present.rotations, task.present.root)
+    x, y, _ = rotate(turn * np.array([1.0, -1.0, -1.0, -1.0]), place - at)
+    return float(np.arctan2(y, x))
+
+
+@dataclass(frozen=True)
+class Watching:
+    """One looks at somebody's eyes, wherever they and oneself go."""
+
+    task: HumanTask
+    whom: WorldObject
+
+    @classmethod
+    def of(cls, task: HumanTask) -> Watching | None:
+        """The human that a motion is made to; None where it is made to nobody, or is oneself.
+
+        Raises:
+            AlgorithmError: they are behind one's back; says what to do.
+        """
+        whom = task.goal_object if task.object is not None and task.object.kind != "human" else task.object
+        if whom is None or _EYES not in whom.sites:
+            return None
+        at, _ = floor_frame(task.start.rotations, task.start.root)
+        if np.hypot(*(whom.place - at)[:2]) < 0.05:  # oneself
+            return None
+        watching = cls(task, whom)
+        aside = aside_of(task, watching.eyes)
+        if abs(aside) > _BEHIND and not task.carried:
+            raise AlgorithmError(
+                f"{whom.name} is {np.degrees(abs(aside)):.0f} degrees aside, behind the back; turn first: "
+                f"`do floor turn facing {whom.name}`"
+            )
+        return watching
+
+    @property
+    def eyes(self) -> Array:
+        """The point between their eyes now (3,)."""
+        return self.whom.site(_EYES, self.task.start.root).place
+
+    def gaze(self, yaw: float = 0.0, pitch: float = 0.0, frame: float = 1e9, length: float = 0.0) -> Array:
+        """The gaze's target (8): their eyes, or beside them by angles to the left and down, radians.
+
+        frame, length: it comes in the first 0.3 seconds, and goes in the last of so many frames; 0: it stays.
+        """
+        eye = eye_of(self.task)
+        way = self.eyes - eye
+        level = float(np.hypot(way[0], way[1]))
+        bearing = np.arctan2(way[1], way[0]) + yaw / _SHARE
+        down = np.arctan2(-way[2], level) + pitch / _SHARE
+        ahead = np.array([np.cos(down) * np.cos(bearing), np.cos(down) * np.sin(bearing), -np.sin(down)])
+        weight = minimum_jerk(np.array(frame / (_SECONDS * self.task.rate)))
+        if length:
+            weight = weight * minimum_jerk(np.array((length - frame) / (_SECONDS * self.task.rate)))
+        return np.array([*(eye + np.linalg.norm(way) * ahead), 0.0, 0.0, 0.0, 0.0, float(weight)])

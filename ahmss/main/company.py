@@ -1,0 +1,190 @@
+"""The humans of the world as objects: of the kind `human`, with sites that go where their bodies go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ahmss.algorithm.messages import Start
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import multiply, rotate
+from ahmss.body.skeleton import Skeleton
+from ahmss.database.records import Site
+from ahmss.database.workspace import Workspace
+from ahmss.motion.edit import floor_frame
+from ahmss.world.schema import ObjectRecord
+from ahmss.world.view import World
+
+__all__ = [
+    "HOLDS",
+    "KIND",
+    "Body",
+    "Everything",
+    "Humans",
+    "met",
+    "numbers",
+    "parts",
+    "place_of",
+    "rows_of_sites",
+    "site_number",
+]
+
+KIND = "human"
+"""The kind of object that says what a human affords."""
+
+HOLDS = "holds"
+"""The state of a human that says whether it has something in a hand: "nothing" or "something"."""
+
+_SITES = 1 << 40  # beyond all ids of objects, which have 32 bits; a float64 holds it
+_MOST_SITES = 64
+_PALMS = ("right_palm", "left_palm")
+_EYES = "eyes"
+_UP_IN_LINK = np.array([np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0])  # turns x ahead and z up where a link has x up, -z ahead
+
+
+class _Scene(Protocol):
+    """What of a scene is asked here."""
+
+    @property
+    def objects(self) -> Mapping[str, ObjectRecord]:
+        """Records by name."""
+        ...
+
+    def body(self, name: str) -> Body:
+        """A human's body."""
+        ...
+
+
+@dataclass(frozen=True)
+class Body:
+    """A human's body: its skeleton, rotations (43, 4) and root (3,)."""
+
+    skeleton: Skeleton
+    rotations: Array
+    root: Array
+
+
+class Humans(Mapping[str, ObjectRecord]):
+    """The humans of a world by name, each as an object; ids are the world's with a minus, as algorithms know them."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def __getitem__(self, name: str) -> ObjectRecord:
+        """One of them. KeyError: no such human."""
+        record = self._world.humans[name]
+        pose = place_of(self._world, name)
+        x, y, z, *rotation = pose.tolist()
+        held = any(thing.holder == name and thing.hand for thing in self._world.objects.values())
+        states = {HOLDS: "something" if held else "nothing"}
+        return ObjectRecord(-record.id, name, KIND, (x, y, z), tuple(rotation), states=dict(states), movable=False)
+
+    def __iter__(self) -> Iterator[str]:
+        """Those that have a pose."""
+        shown = set(self._world.human_ids.tolist())
+        return iter([name for name, record in self._world.humans.items() if record.id in shown])
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(list(iter(self)))
+
+    def __contains__(self, name: object) -> bool:
+        """Whether somebody of that name is there."""
+        record = self._world.humans.get(name) if isinstance(name, str) else None
+        return record is not None and bool((self._world.human_ids == record.id).any())
+
+
+class Everything(Mapping[str, ObjectRecord]):
+    """Objects and humans by name; an object that is called like a human hides it."""
+
+    def __init__(self, objects: Mapping[str, ObjectRecord], humans: Humans) -> None:
+        self._objects, self._humans = objects, humans
+
+    def __getitem__(self, name: str) -> ObjectRecord:
+        """One of them. KeyError: neither object nor human."""
+        return self._objects[name] if name in self._objects else self._humans[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Objects first."""
+        yield from self._objects
+        yield from (name for name in self._humans if name not in self._objects)
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(list(iter(self)))
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is one of that name."""
+        return name in self._objects or name in self._humans
+
+
+def met(start: Start) -> tuple[str, ...]:
+    """Names of the humans that a motion is about: what it is told to act on, or its goal."""
+    return tuple(thing.name for thing in (start.object, start.goal.object) if thing is not None and thing.kind == KIND)
+
+
+def numbers(start: Start) -> tuple[int, ...]:
+    """The ids by which a motion about a human is told of what moves: the object, the goal's, and their sites."""
+    if not met(start):
+        return ()
+    things = [thing for thing in (start.object, start.goal.object) if thing is not None]
+    return tuple(n for thing in things for n in (thing.id, *(site.id for site in thing.sites.values() if site.id)))
+
+
+def rows_of_sites(workspace: Workspace, scene: _Scene, names: Iterable[str]) -> Array:
+    """Rows (n, 8) of id, place, rotation of the sites that move with the bodies of some humans, now.
+
+    Raises:
+        AhmssError: the kind is broken.
+    """
+    rows: list[Array] = []
+    for name in names:
+        record = scene.objects.get(name)
+        if record is None or record.kind != KIND:  # gone: they stay where they were
+            continue
+        sites = workspace.objects.get(KIND).sites
+        moving = [(index, site) for index, site in enumerate(sites.values()) if site.part]
+        where = parts(scene.body(name), [site for _, site in moving])
+        for (index, _), row in zip(moving, where, strict=True):
+            rows.append(np.array([site_number(-record.id, index), *row]))
+    return np.array(rows).reshape(-1, 8)
+
+
+def place_of(world: World, name: str) -> Array:
+    """(7,) where a human stands on the floor and which way it faces. KeyError: no such human."""
+    root, rotations = world.human(name)
+    return np.concatenate(floor_frame(rotations, root))
+
+
+def site_number(human: int, index: int) -> int:
+    """The number by which FRAME calls a site: of the human with that id in the world, the site's place in its kind."""
+    return _SITES + human * _MOST_SITES + index
+
+
+def parts(body: Body, sites: Sequence[Site]) -> list[Array]:
+    """Where sites that belong to parts of a body are in the world, (7,) each.
+
+    A palm's frame is the grip's. The eyes' and each link's x points along the link, the eyes' ahead with z up.
+    """
+    skeleton = body.skeleton
+    places, turned = forward(body.rotations, body.root, skeleton.offsets)
+    palms = grips(skeleton, body.rotations, body.root)
+    out: list[Array] = []
+    for site in sites:
+        if site.part in _PALMS:
+            row = palms[_PALMS.index(site.part)]
+            place, rotation = row[:3], row[3:]
+        else:
+            link = INDEX["head" if site.part == _EYES else site.part]
+            place, rotation = places[link], turned[link]
+            if site.part == _EYES:
+                place, rotation = place + rotate(rotation, skeleton.eye), multiply(rotation, _UP_IN_LINK)
+        place = place + rotate(rotation, np.array(site.position))
+        out.append(np.concatenate([place, multiply(rotation, np.array(site.rotation))]))
+    return out
