@@ -46,8 +46,10 @@ TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even a
 NEAR, MOST = (0.05, np.radians(5.0)), 2.0  # metres and radians: who stands so is not moved; metres that are stepped
 COMES, CLOSES, OPENS, LEAVES = 0.95, 0.3, 0.25, 0.6  # seconds
 BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, and to which it goes back
-DIAMETER, INTO_FINGERS = 0.022, 0.01  # metres: of a lever that does not say; how far it lies towards the fingers
-OPENED = 0.3  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
+DIAMETER, INTO_FINGERS = 0.022, 0.0165  # metres: of a lever that does not say; how far it lies towards the fingers
+PALM, SKIN = 0.005, 0.003  # metres that palm and fingers are thicker than they are told to be
+FISTS = 4  # angles of the leaf at which the fingers are closed about the lever
+OPENED = 0.4  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
 LONGEST = 0.336  # of stature: a step backwards or aside that is made without turning about
 TRIED = 53  # angles that are looked at in a frame
 EASY, STRETCH = 0.86, 40.0  # share of the arm's length up to which it costs nothing, and what a whole one costs
@@ -81,10 +83,14 @@ class Door:
         ahead = rotate(self.closed.rotation, np.array([np.cos(np.radians(heading)), np.sin(np.radians(heading)), 0.0]))
         return Goal(place[:2], float(np.arctan2(ahead[1], ahead[0])))
 
+    def yaw(self, angle: Array) -> Array:
+        """Radians (n) by which the palm is turned to the left from how it is squarely on the closed leaf, at angles."""
+        return TURNS_ALONG * angle + (1.0 - TURNS_ALONG) * 0.5 * WIDE + np.radians(STANDS[self.side, self.hand][2][1])
+
     def palms(self, palm: Transform, angle: Array, before: Array) -> Array:
         """The palm (n, 7) on the lever at angles (n), drawn back by metres (n); `palm` is on the closed leaf's."""
         leaf = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), angle)
-        yaw = TURNS_ALONG * angle + (1.0 - TURNS_ALONG) * 0.5 * WIDE + np.radians(STANDS[self.side, self.hand][2][1])
+        yaw = self.yaw(angle)
         own = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), yaw)
         turned = multiply(own, palm.rotation)
         around = rotate(leaf, self.lever) + rotate(own, palm.place - self.lever)
@@ -124,9 +130,8 @@ class Taking:
     def __init__(self, task: HumanTask, door: Door) -> None:
         self.task, self.door, self.reacher = task, door, Reacher.of(task.human, door.hand)
         self.links = list(fingers(door.hand))
-        self.palm, self.fist = _grip(task, door)
+        self.palm, self.fists = _grip(task, door)
         self.at_ease = task.start.rotations[self.links]
-        self.wide = slerp(self.fist, opened(door.hand, self.at_ease[:2]), OPENED)
 
     def comes(self, stance: Stance) -> Part:
         """The hand comes to the lever and closes."""
@@ -138,10 +143,11 @@ class Taking:
         own = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
         places = own[:3] + minimum_jerk(way / 0.9)[:, None] * (on[:, :3] - own[:3])
         palms = np.concatenate([places, slerp(own[3:], on[:, 3:], minimum_jerk(way / 0.8))], axis=1)
+        fist, wide = self._fist(np.zeros(1)), self._wide(0.0)
         shape = np.concatenate(
             [
-                slerp(stance.rotations[self.links], self.wide, minimum_jerk(comes / 0.6)[:, None]),
-                slerp(self.wide, self.fist, minimum_jerk(closes)[:, None]),
+                slerp(stance.rotations[self.links], wide, minimum_jerk(comes / 0.6)[:, None]),
+                slerp(wide, fist, minimum_jerk(closes)[:, None]),
             ]
         )
         return _standing(self.task, stance, n), palms, shape, way
@@ -159,9 +165,26 @@ class Taking:
         rows = np.concatenate(made)
         begin, end = places[0], places[-1]
         n = len(rows)
-        angle = door.angle + self._shares(rows, begin.place, end.place) * (door.wanted - door.angle)
-        palms = door.palms(self.palm, angle, np.zeros(n))
-        return (rows, palms, np.repeat(self.fist[None], n, axis=0), np.ones(n)), stance
+        share = self._shares(rows, begin.place, end.place)
+        palms = door.palms(self.palm, door.angle + share * (door.wanted - door.angle), np.zeros(n))
+        return (rows, palms, self._fist(share), np.ones(n)), stance
+
+    def _fist(self, share: Array) -> Array:
+        """The fingers (n, 14, 4) about the lever when the leaf has gone such shares (n) of its way.
+
+        The palm turns on the lever meanwhile: the fingers that come to lie nearer to it are less bent.
+        """
+        at = share * (len(self.fists) - 1)
+        first = np.minimum(at.astype(int), len(self.fists) - 2)
+        return slerp(self.fists[first], self.fists[first + 1], (at - first)[:, None])
+
+    def _wide(self, share: float, opened_by: float = OPENED) -> Array:
+        """The fingers (14, 4) as they are opened before and after that."""
+        fist = self._fist(np.array([share]))[0]
+        out = opened(self.door.hand, opened(self.door.hand, fist[:2])[:2])  # the thumb twice as far as usual
+        wide = slerp(fist, out, opened_by)
+        wide[:2] = out[:2]  # it passes the lever's end
+        return wide
 
     def _places(self) -> list[Goal]:
         """From where one stands to where one stands then, by places so near to each other that nobody turns to walk."""
@@ -200,13 +223,16 @@ class Taking:
         """The hand opens, comes off the lever, and hangs again."""
         opens, leaves = _time(self.task, OPENS), _time(self.task, LEAVES)
         n = len(opens) + len(leaves)
-        away = minimum_jerk(np.concatenate([np.zeros(len(opens)), leaves]))
-        on = self.door.palms(self.palm, np.full(n, self.door.wanted), BACK * minimum_jerk(2.0 * away))
+        leaves = np.concatenate([np.zeros(len(opens)), leaves])
+        away = minimum_jerk((leaves - 0.2) / 0.8)
+        on = self.door.palms(self.palm, np.full(n, self.door.wanted), BACK * minimum_jerk(2.0 * leaves))
         hangs = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
         places = on[:, :3] + away[:, None] * (hangs[:3] - on[:, :3])
         palms = np.concatenate([places, slerp(on[:, 3:], hangs[3:], away)], axis=1)
-        open_by = minimum_jerk(np.concatenate([opens, np.ones(len(leaves))]))
-        shape = slerp(slerp(self.fist, self.wide, open_by[:, None]), self.at_ease, away[:, None])
+        open_by = minimum_jerk(np.concatenate([opens, np.ones(n - len(opens))]))
+        shape = slerp(self._fist(np.ones(1)), self._wide(1.0), open_by[:, None])
+        shape = slerp(shape, self._wide(1.0, opened_by=1.0), minimum_jerk(leaves / 0.4)[:, None])
+        shape = slerp(shape, self.at_ease, minimum_jerk((leaves - 0.4) / 0.5)[:, None])
         return _standing(self.task, stance, n), palms, shape, 1.0 - away
 
     def brought(self, rows: Array, palms: Array, shape: Array, bends: Array) -> Array:
@@ -272,7 +298,9 @@ def _hand(task: HumanTask) -> str:
 
 
 def _grip(task: HumanTask, door: Door) -> tuple[Transform, Array]:
-    """The palm on the lever, in the leaf's frame, and the fingers (14, 4) closed about it: from before and above."""
+    """The palm squarely on the lever, in the closed leaf's frame, from before and above; and the fingers (m, 14, 4)
+    closed about it at even shares of the leaf's way.
+    """
     assert task.object is not None
     side, into = door.hand, np.array([0.0, -float(door.side), 0.0])
     thumb = np.cross(into, UPWARD) * (1.0 if side == "left" else -1.0)
@@ -281,12 +309,16 @@ def _grip(task: HumanTask, door: Door) -> tuple[Transform, Array]:
     rotation = from_matrix(np.stack([out, np.cross(thumb, out), thumb], axis=1))
     radius = 0.5 * float(task.object.properties.get("knob_diameter", DIAMETER))
     to_fingers = np.cos(pitch) * UPWARD + np.sin(pitch) * into
-    turn = np.arcsin(min(INTO_FINGERS / radius, 0.8))
-    palm = Transform(door.lever - radius * (np.cos(turn) * out + np.sin(turn) * to_fingers), rotation)
+    palm = Transform(door.lever - (radius + PALM) * out - INTO_FINGERS * to_fingers, rotation)
     row = Reacher.of(task.human, side).row
     seen = palm.then(Transform.of(task.human.grips[row]).inverse()).inverse()  # the leaf as the hand sees it
-    bar = Cylinder(seen.apply(door.lever), rotate(seen.rotation, thumb), radius)
-    return palm, closed(task.human, side, bar)
+    angle = np.linspace(door.angle, door.wanted, FISTS)
+    fists: list[Array] = []
+    for slant in (door.yaw(angle) - angle).tolist():
+        along = rotate(from_axis_angle(UPWARD, np.array(-slant)), thumb)
+        bar = Cylinder(seen.apply(door.lever), rotate(seen.rotation, along), radius + SKIN)
+        fists.append(closed(task.human, side, bar))
+    return palm, np.stack(fists)
 
 
 def _standing(task: HumanTask, stance: Stance, n: int) -> Array:

@@ -62,7 +62,7 @@ def swung(
     start = body.start(DOOR, action, **given)
     before = start.pose
     shown = body.do("swing", msgspec.structs.replace(start, object=outlined(start.object, 3)))  # type: ignore[arg-type]
-    moves = body.start(DOOR, action, kind="object", **given, parameters={"closed_hand": 110.0})
+    moves = body.start(DOOR, action, kind="object", **given, parameters={"closed_hand": 90.0})
     moves = msgspec.structs.replace(moves, pose=before)
     poses = list(frames(program("door"), moves, body.rows(shown)))
     ahead = np.array([rotate(pose.rotation, np.array([1.0, 0.0, 0.0])) for pose in poses])
@@ -104,7 +104,7 @@ def test_the_hand_is_on_the_lever_while_the_leaf_turns_softly(name: str, action:
         np.linalg.norm(made.leaf(int(k)).apply(lever) - palms[k, :, :3], axis=-1).min() for k in (turns + 1).tolist()
     ]
     assert len(turns) > 60
-    assert max(apart) < 0.02
+    assert max(apart) < 0.03  # where the fingers begin: 16 mm from the middle of the palm, and the half of the lever
     assert np.degrees(np.abs(np.diff(made.angle, n=2)).max()) < 0.12
     bent = np.degrees(2.0 * np.arccos(np.clip(np.abs(rotations[:, INDEX["spine"], 0]), 0.0, 1.0)))
     assert bent.max() < 20.0
