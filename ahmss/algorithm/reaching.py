@@ -34,7 +34,7 @@ _TOLD = 0.003  # metres
 _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
-_PERFORMED_IN = 3  # frames
+_PERFORMED_IN = 4  # frames
 _HEAD_SECONDS = 0.3  # in which the gaze comes to its place
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
