@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS
@@ -53,8 +54,16 @@ def walk_library(task: HumanTask) -> Library:
 def ground_of(task: HumanTask) -> Ground:
     """The footprints of all that stands about."""
     things = [thing for thing in (*task.world.values(), task.object) if thing is not None and thing.kind != "human"]
-    shapes = [(ring, thing.name) for thing in things for ring in thing.occupied]
-    return Ground([ring for ring, _ in shapes], [name for _, name in shapes])
+    shapes = [(ring, thing.name, _top(thing)) for thing in things for ring in thing.occupied]
+    return Ground([ring for ring, _, _ in shapes], [name for _, name, _ in shapes], [top for _, _, top in shapes])
+
+
+def _top(thing: WorldObject) -> float:
+    """How high a thing reaches, metres; infinite where it does not say its size."""
+    size = thing.properties.get("size")
+    if isinstance(size, (list, tuple)) and len(size) == 3:
+        return float(thing.place[2]) + float(size[2])
+    return np.inf
 
 
 def rows_of(task: HumanTask, piece: Piece) -> Array:

@@ -34,20 +34,24 @@ _LOOKED = 900  # frames that are looked at: the rest of a longer walk is not
 _STEP, _AT_ONCE = 3, 60  # frames between those that are looked at, and how many are made in a part
 _ROUNDS, _IN_PART = 12, 3  # how often it is moved more, at the most, and how often in a part
 _ENOUGH = 1e-3  # metres that may lack
-_WIDTH, _SMOOTH, _FADE = 60, 4.0, 44  # frames around one for which it is moved; smoothed over; from rest to moved
-_MOST, _MOST_FOOT = 0.22, 0.08  # metres that the body is moved, and a foot in the air more than it
+_WIDTH, _SMOOTH, _FADE = 40, 4.0, 44  # frames around one for which it is moved; smoothed over; from rest to moved
+_MOST, _MOST_FOOT = 0.22, 0.1  # metres that the body is moved, and a foot in the air more than it
 _BY_FOOT = 0.5  # of what a foot in the air lacks, what it is moved by itself
 _LOW = 0.2  # of a swing's height: nearer to the ground a foot is not moved by itself
 _UPPER, _LOWER = ([INDEX[f"{side}_{part}_leg"] for side in ("right", "left")] for part in ("upper", "lower"))
+_SPINE = INDEX["spine"]
+_SHOULDERS, _ELBOWS = ([INDEX[f"{side}_{part}_arm"] for side in ("right", "left")] for part in ("upper", "lower"))
 _MIRROR = np.array([1.0, -1.0, 1.0])
-# Of a leg hip joint, thigh, knee, shank, ankle, heel, toes. How thick it is there, metres, in the stouter of the
+# Hip joint, thigh, knee, shank, ankle, heel, toes; elbow. How thick it is there, metres, in the stouter of the
 # bodies that ship, and a little more; by how much they go with the foot, the rest with the hips.
-_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051])
-_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0])
+_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051, 0.065])
+_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0, 0.0])
 _OF_FOOT = slice(4, 7)
 
 
-def clearing(skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array]) -> Iterator[Leeway | None]:
+def clearing(
+    skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array], tops: Sequence[float] = ()
+) -> Iterator[Leeway | None]:
     """By how much a walk is to be moved so that legs keep out of things: the last that comes, None before it is found.
 
     It may be moved a little more the next time. Nothing but None comes where legs keep out of things anyway.
@@ -55,21 +59,22 @@ def clearing(skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array]) ->
     Args:
         skeleton: of who walks.
         shaping: the walk as it would be.
-        outlines: (n, 2) of things, world.
+        outlines: (n, 2) of things, world. tops: how high they are, metres; left out: high.
     """
     frames, near = _close(shaping.level, outlines)
+    fence = Fence([outlines[i] for i in near], _WITHIN, [tops[i] for i in near] if len(tops) else ())
     if not len(frames):
         return
     for end in range(_AT_ONCE, int(frames[-1]) + 1, _AT_ONCE):
         shaping.part(0, end)
         yield None
-    legs = _Legs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, Fence(near, _WITHIN))
+    limbs = _Limbs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, fence)
     yield None
     swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in (0, 1)]
     made = Leeway(np.zeros((shaping.frames, 2)), (np.zeros((swings[0].count, 2)), np.zeros((swings[1].count, 2))))
     fade = _fade(shaping.frames)
     for number in range(_ROUNDS):
-        push = legs.push(made.body, [made.foot(own.bears, foot) for foot, own in enumerate(swings)])
+        push = limbs.push(made.body, [made.foot(own.bears, foot) for foot, own in enumerate(swings)])
         lack = np.sqrt((push * push).sum(axis=-1))
         if lack.max() < _ENOUGH:
             if number:
@@ -83,31 +88,32 @@ def clearing(skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array]) ->
             yield made
 
 
-def _close(level: Array, outlines: Sequence[Array]) -> tuple[NDArray[np.intp], list[Array]]:
-    """The frames at which hips (F, 2) come near to outlines, and those outlines."""
+def _close(level: Array, outlines: Sequence[Array]) -> tuple[NDArray[np.intp], list[int]]:
+    """The frames at which hips (F, 2) come near to outlines, and the numbers of those."""
     level = level[:_LOOKED:_STEP]
     low, high = level.min(axis=0) - _NEAR, level.max(axis=0) + _NEAR
-    about = [ring for ring in outlines if (ring.max(axis=0) > low).all() and (ring.min(axis=0) < high).all()]
     close = np.zeros(len(level), dtype=bool)
-    near: list[Array] = []
-    for ring in about:
-        own = Fence([ring], _NEAR).away(level)[0] < _NEAR
-        close |= own
-        near += [ring] if own.any() else []
+    near: list[int] = []
+    for i, ring in enumerate(outlines):
+        if (ring.max(axis=0) > low).all() and (ring.min(axis=0) < high).all():
+            own = Fence([ring], _NEAR).away(level)[0] < _NEAR
+            close |= own
+            near += [i] if own.any() else []
     return _STEP * np.flatnonzero(close), near
 
 
-class _Legs:
-    """Points (f, 2, P) of both legs at the frames that are looked at, and how clear of things they are."""
+class _Limbs:
+    """Points (f, 2, P, 3) of legs and elbows at the frames that are looked at, and how clear of things they are."""
 
     def __init__(self, frames: NDArray[np.intp], points: Array, fence: Fence) -> None:
-        self._frames, self._points, self._fence = frames, points, fence
+        self._frames, self._points, self._fence = frames, points[..., :2], fence
+        self._lows = (points[..., 2] - _THICK).reshape(-1)
         self._thick = np.broadcast_to(_THICK, points.shape[:-1]).reshape(-1)
-        self._seen = points.reshape(-1, 2).copy()  # where points were when it was looked at how far they are
-        self._away, self._out = fence.away(self._seen)
+        self._seen = self._points.reshape(-1, 2).copy()  # where points were when it was looked at how far they are
+        self._away, self._out = fence.away(self._seen, self._lows)
 
     @classmethod
-    def of(cls, skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp], fence: Fence) -> _Legs:
+    def of(cls, skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp], fence: Fence) -> _Limbs:
         """Of a walk."""
         hips, root = shaped.rotations[frames, :1], shaped.root[frames]
         joints = root[:, None] + rotate(hips, skeleton.offsets[_UPPER])
@@ -118,9 +124,9 @@ class _Legs:
         heels, toes = soles[:, 0] * (0.5, 1.0, 0.5), soles[:, 2] * (0.82, 1.0, 0.5)
         points = np.stack([
             joints, joints + 0.65 * (knees - joints), knees, 0.5 * (knees + ankles), ankles,
-            ankles + rotate(feet, heels), ankles + rotate(feet, toes),
+            ankles + rotate(feet, heels), ankles + rotate(feet, toes), _elbows(skeleton, shaped, frames),
         ], axis=2)  # fmt: skip
-        return cls(frames, points[..., :2], fence)
+        return cls(frames, points, fence)
 
     def push(self, body: Array, feet: Sequence[Array]) -> Array:
         """By how much the points are to be moved (f, 2, P, 2) out of things when body and feet are moved (F, 2)."""
@@ -131,10 +137,19 @@ class _Legs:
         doubtful = np.flatnonzero(self._away - np.sqrt((moved * moved).sum(axis=-1)) < self._thick)
         if len(doubtful):
             self._seen[doubtful] = at[doubtful]
-            self._away[doubtful], self._out[doubtful] = self._fence.away(at[doubtful])
+            self._away[doubtful], self._out[doubtful] = self._fence.away(at[doubtful], self._lows[doubtful])
         lack = np.zeros(len(at))
         lack[doubtful] = np.maximum(self._thick - self._away, 0.0)[doubtful]
         return (lack[:, None] * self._out).reshape(self._points.shape)
+
+
+def _elbows(skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp]) -> Array:
+    """Both elbows (f, 2, 3), as they are where nothing else has the arms."""
+    hips, trunk = shaped.rotations[frames, 0], shaped.rotations[frames, _SPINE]
+    spine = multiply(hips, trunk)[:, None]
+    shoulders = rotate(hips, skeleton.offsets[_SPINE])[:, None] + rotate(spine, skeleton.offsets[_SHOULDERS])
+    arms = multiply(spine, shaped.rotations[frames][:, _SHOULDERS])
+    return shaped.root[frames, None] + shoulders + rotate(arms, skeleton.offsets[_ELBOWS])
 
 
 @dataclass(frozen=True)

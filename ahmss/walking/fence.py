@@ -14,20 +14,31 @@ __all__ = ["Fence"]
 
 @dataclass(frozen=True)
 class Fence:
-    """Outlines (n, 2), which need not be closed, metres; within: how far points that matter are from them."""
+    """Outlines (n, 2), which need not be closed, metres.
+
+    within: how far points that matter are from them. tops: how high the things are, as many; none: all are high.
+    """
 
     outlines: Sequence[Array]
     within: float
+    tops: Sequence[float] = ()
 
-    def away(self, points: Array) -> tuple[Array, Array]:
+    def away(self, points: Array, lows: Array | float = 0.0) -> tuple[Array, Array]:
         """How far points (n, 2) are from the nearest outline (n,), negative within it, and the way outwards (n, 2).
 
-        What is further from all than `within` is said to be just that far from them.
+        What is further from all than `within` is said to be just that far from them, and what is over them too.
+
+        Args:
+            points: metres.
+            lows: (n,) how high the lowest of what is there is.
         """
         away, out = np.full(len(points), self.within), np.zeros(points.shape)
-        for ring in self.outlines:
+        for number, ring in enumerate(self.outlines):
             low, high = ring.min(axis=0) - self.within, ring.max(axis=0) + self.within
-            about = np.flatnonzero(((points > low) & (points < high)).all(axis=-1))
+            close = ((points > low) & (points < high)).all(axis=-1)
+            if self.tops:
+                close &= lows < self.tops[number]
+            about = np.flatnonzero(close)
             if not len(about):
                 continue
             signed, outwards = _from_ring(ring, points[about])

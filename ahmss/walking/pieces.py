@@ -48,7 +48,7 @@ def footing_at(going: Journey, end: int) -> Footing:
 
 
 def cleared(
-    skeleton: Skeleton, going: Journey, outlines: Sequence[Array]
+    skeleton: Skeleton, going: Journey, outlines: Sequence[Array], tops: Sequence[float]
 ) -> Generator[Piece, None, tuple[Journey, int]]:
     """A walk from standing with its legs kept out of things, and how many of its frames were made meanwhile.
 
@@ -58,7 +58,7 @@ def cleared(
     leeway: Leeway | None = None
     latest = min(UNMOVED, last_moment(going))
     assert isinstance(shaping, Shaping)  # from standing nothing is handed over
-    for found in clearing(skeleton, shaping, outlines):
+    for found in clearing(skeleton, shaping, outlines, tops):
         leeway = found
         if made < latest:
             yield piece(going, made, made + 1)

@@ -43,10 +43,11 @@ _PATIENCE = 15.0  # seconds that a walker waits for others to go
 
 @dataclass(frozen=True)
 class Ground:
-    """What stands on the floor: outlines (n, 2) in the world, and whose they are."""
+    """What stands on the floor: outlines (n, 2) in the world, whose they are, and up to what height, metres."""
 
     outlines: Sequence[Array] = ()
     names: Sequence[str] = ()
+    tops: Sequence[float] = ()
 
 
 @dataclass
@@ -97,7 +98,7 @@ class Trip:
             going = yield from self._wait(piece(going, -1, 0), now, looks=_LOOKS)
         over = False
         while not over:
-            going, begun = yield from cleared(self.skeleton, going, self.ground.outlines)
+            going, begun = yield from cleared(self.skeleton, going, self.ground.outlines, self.ground.tops)
             made = yield from self._set_in_motion(going, begun)
             if made:
                 self._waited, self._rate = 0, float(going.rates[0])

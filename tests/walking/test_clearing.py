@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 import shapely
@@ -22,10 +24,12 @@ FAR = TABLE + np.array([0.0, 4.0])
 GOALS = [(-0.2, 1.8, 90.0), (1.9, 0.2, 0.0), (-1.5, -0.3, 180.0), (-0.3, -2.0, -60.0), (0.0, 0.0, 120.0)]
 
 
-def walked(outlines: list[Array], goal: tuple[float, float, float], name: str = "ken") -> tuple[Array, Array]:
+def walked(
+    outlines: list[Array], goal: tuple[float, float, float], name: str = "ken", tops: Sequence[float] = ()
+) -> tuple[Array, Array]:
     """Rotations (F, 43, 4) and root (F, 3) from the origin, heading 0, to a place and a heading in degrees."""
     body = m.subject(name)
-    trip = Trip(body.skeleton, m.library(), Ground(outlines), np.array(goal[:2]), float(np.radians(goal[2])))
+    trip = Trip(body.skeleton, m.library(), Ground(outlines, tops=tops), np.array(goal[:2]), float(np.radians(goal[2])))
     pieces = list(trip.pieces(*body.at((0.0, 0.0), 0.0)))
     rotations = np.concatenate([piece.rotations for piece in pieces])
     whole = np.repeat(body.rotations[None], len(rotations), axis=0)
@@ -110,3 +114,20 @@ def test_how_deep_points_are_in_outlines() -> None:
     further, _ = Fence(rings, 9.0).away(points + 1e-6 * out)
     assert np.allclose((further - away) / 1e-6, 1.0, atol=1e-4)
     assert Fence(rings, 0.1).away(np.array([[-5.0, 0.0]]))[0] == 0.1
+
+
+def test_what_is_over_a_thing_is_not_in_it() -> None:
+    fence, inside = Fence([TABLE], 0.3, [0.88]), np.array([[0.4, 0.0], [0.4, 0.0]])
+    assert np.allclose(fence.away(inside, np.array([0.87, 0.89]))[0], [-0.13, 0.3])
+
+
+@pytest.mark.parametrize(("top", "least"), [(1.2, 0.03), (0.5, -1.0)])
+def test_elbows_keep_out_of_what_is_so_high(top: float, least: float) -> None:
+    thing, goal = np.array([[-0.3, 0.23], [0.3, 0.23], [0.3, 0.9], [-0.3, 0.9]]), (-1.8, 0.0, 180.0)
+    rotations, root = walked([thing], goal, tops=[top])
+    places, _ = forward(rotations, root, m.subject("ken").skeleton.offsets)
+    elbows = places[40:, [INDEX["right_lower_arm"], INDEX["left_lower_arm"]], :2]
+    polygon, points = shapely.Polygon(thing), shapely.points(elbows)
+    away = np.where(shapely.within(points, polygon), -1.0, 1.0) * shapely.distance(shapely.boundary(polygon), points)
+    assert away.min() > least
+    assert least > 0.0 or away.min() < 0.03
