@@ -25,7 +25,7 @@ from ahmss.main.database import find_object
 from ahmss.main.joined import refuse_two_carriers
 from ahmss.main.ledger import OVER, Ledger
 from ahmss.main.people import records as people
-from ahmss.main.sight import WAITS, WORKS, Sight, View, eyes
+from ahmss.main.sight import WAITS, WORKS, Sight, eyes
 from ahmss.motion.edit import floor_frame
 from ahmss.port import schema
 from ahmss.port.grammar import line_of
@@ -100,13 +100,16 @@ class Answering:
         for index in range(first, len(names)):
             if len(found) == schema.PAGE:
                 return Objects(asked.request, found, humans, index)
-            thing = self._thing(names[index], view, place, facing)
+            seen = yield from view.search(names[index])
+            thing = self._thing(names[index], place, facing, seen=seen)
+            if thing is None and only:
+                raise CommandError(f"there is no {only} any more")
             if thing is not None and (thing.seen or not asked.seen):
                 found.append(thing)
             yield WORKS
         return Objects(asked.request, found, humans)
 
-    def _thing(self, name: str, view: View, place: Array, facing: float) -> Thing | None:
+    def _thing(self, name: str, place: Array, facing: float, *, seen: bool) -> Thing | None:
         """An object as the human model is told of it; None where it is gone."""
         scene = self._main.communication
         record = scene.objects.get(name)
@@ -120,7 +123,7 @@ class Answering:
         distance, direction = _way(at, place, facing)
         return Thing(
             name, record.kind, sentence, _three(at), distance, direction,
-            bool(record.shape) and view.sees(name), dict(record.states),
+            bool(record.shape) and seen, dict(record.states),
             record.holder, record.hand, record.parent if record.attached else "",
         )  # fmt: skip
 

@@ -24,6 +24,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 from ahmss.main.afforded import Actor
 from ahmss.main.aside import aside
+from ahmss.main.mesh import Mesh
 from ahmss.world.schema import ObjectRecord
 from ahmss.world.view import World
 
@@ -36,8 +37,7 @@ _WIDEST = np.cos(np.radians(60.0))
 _NEAR = 0.03  # metres before a point within which a face belongs to it: a knob on a panel
 _INNER = 0.7  # of the half box: where the eight points are
 _CORNERS = np.array([[0, 0, 0], *([x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))], float)
-_NOTHING = np.zeros((0, 3, 3))
-_NO_BOX = (np.zeros(3), np.full(3, -1.0))
+_NOTHING = Mesh.of(np.zeros((0, 3, 3)))
 _CHUNK = 256  # objects that are indexed in one go
 
 
@@ -48,65 +48,58 @@ def eyes(actor: Actor) -> tuple[Array, Array]:
     return line_of_sight(places[head], world[head], actor.skeleton.eye)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """One look at the world.
 
-    eye, ahead (3,): of the human, its line of sight. rows: of each object's name. poses (n, 7), middles and halves of
-    boxes (n, 3) in the objects' frames; a negative half is of what has no shape. centres (n, 3): the middles in the
-    world. shapes: the triangles (t, 3, 3) of each in its own frame.
+    eye, ahead (3,): of the human, its line of sight. rows: of each object's name. poses (n, 7). centres (n, 3), radii
+    (n,): of the balls around them, in the world; a radius of -1 is of what has no shape. meshes: the shape of each.
     """
 
     eye: Array
     ahead: Array
     rows: dict[str, int]
     poses: Array
-    middles: Array
-    halves: Array
     centres: Array
-    shapes: Sequence[Array]
+    radii: Array
+    meshes: Sequence[Mesh]
 
     def sees(self, name: str) -> bool:
-        """Whether an object is seen; one that came since is not."""
+        """Whether an object is seen."""
+        search = self.search(name)
+        while True:
+            try:
+                next(search)
+            except StopIteration as end:
+                return bool(end.value)
+
+    def search(self, name: str) -> Generator[bool, None, bool]:
+        """Whether an object is seen, in pieces of work; one that came since is not."""
         row = self.rows.get(name)
         if row is None:
             return False
-        place, turn = self.poses[row, :3], self.poses[row, 3:]
-        half = np.maximum(self.halves[row], 0.0)
-        points = place + rotate(turn, self.middles[row] + _INNER * half * _CORNERS)
-        away = points - self.eye
+        mesh = self.meshes[row]
+        points = mesh.middle + _INNER * np.maximum(mesh.half, 0.0) * _CORNERS
+        away = self.poses[row, :3] + rotate(self.poses[row, 3:], points) - self.eye
         lengths = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
-        before = away @ self.ahead >= _WIDEST * lengths
-        return any(
-            not self._hidden(row, away[i] / lengths[i], float(lengths[i]) - _NEAR) for i in np.flatnonzero(before)
-        )
+        for point in np.flatnonzero(away @ self.ahead >= _WIDEST * lengths):
+            if not self._hidden(row, away[point] / lengths[point], float(lengths[point]) - _NEAR):
+                return True
+            yield WORKS
+        return False
 
     def _hidden(self, row: int, way: Array, length: float) -> bool:
         """Whether a face is in the way from the eye, but of the object itself."""
         centres = self.centres - self.eye
         along = centres @ way
-        off = np.linalg.norm(centres - along[:, None] * way, axis=1)
-        radii = np.linalg.norm(self.halves, axis=1)
-        near = (self.halves[:, 0] >= 0.0) & (off <= radii) & (along >= -radii) & (along <= length + radii)
+        off = np.einsum("ij,ij->i", centres, centres) - along**2
+        near = (off <= self.radii**2) & (self.radii >= 0.0) & (along >= -self.radii) & (along <= length + self.radii)
         return any(other != row and self._hits(int(other), way, length) for other in np.flatnonzero(near))
 
     def _hits(self, other: int, way: Array, length: float) -> bool:
-        """Whether the ray meets a triangle of an object (Moeller and Trumbore 1997)."""
+        """Whether the ray meets another object."""
         back = conjugate(self.poses[other, 3:])
-        origin, ray = rotate(back, self.eye - self.poses[other, :3]), rotate(back, way)
-        triangles = self.shapes[other]
-        corner = triangles[:, 0]
-        side, other_side = triangles[:, 1] - corner, triangles[:, 2] - corner
-        p = np.cross(ray, other_side)
-        det = np.einsum("ij,ij->i", side, p)
-        flat = np.abs(det) < 1e-12
-        inverse = 1.0 / np.where(flat, 1.0, det)
-        t = origin - corner
-        u = np.einsum("ij,ij->i", t, p) * inverse
-        q = np.cross(t, side)
-        v = (q @ ray) * inverse
-        far = np.einsum("ij,ij->i", other_side, q) * inverse
-        return bool((~flat & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (far > 1e-6) & (far < length)).any())
+        return self.meshes[other].hit(rotate(back, self.eye - self.poses[other, :3]), rotate(back, way), length)
 
 
 class Sight:
@@ -114,53 +107,56 @@ class Sight:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
-        self._shapes: dict[tuple[str, str], Array] = {}
-        self._reading: Future[dict[tuple[str, str], Array]] | None = None
+        self._meshes: dict[tuple[str, str], Mesh] = {}
+        self._reading: Future[dict[tuple[str, str], Mesh]] | None = None
 
     def look(self, world: World, actor: Callable[[], Actor]) -> Generator[bool, None, View]:
         """A view of the world; yields WORKS between pieces of work, and WAITS while shapes are read in a thread."""
-        while missing := {_shape_of(record) for record in world.objects.values()} - self._shapes.keys():
+        records, poses, known = yield from self._indexed(world)
+        while missing := known.keys() - self._meshes.keys():
             reading = self._reading or aside(lambda keys=tuple(missing): {key: self._read(key[0]) for key in keys})
             self._reading = reading
             while not reading.done():
                 yield WAITS
-            self._shapes |= reading.result()
+            self._meshes |= reading.result()
             if self._reading is reading:
                 self._reading = None
+            records, poses, known = yield from self._indexed(world)
+        meshes = [self._meshes[key] for key in known]
+        which = np.zeros(len(records), int)
+        for number, rows in enumerate(known.values()):
+            which[rows] = number
+        middles = np.array([mesh.middle for mesh in meshes]).reshape(-1, 3)[which]
+        radii = np.array([_radius(mesh) for mesh in meshes])[which]
+        yield WORKS
+        centres = poses[:, :3] + rotate(poses[:, 3:], middles)
+        yield WORKS
+        eye, ahead = eyes(actor())
+        names = {record.name: row for row, record in enumerate(records)}
+        return View(eye, ahead, names, poses, centres, radii, [meshes[number] for number in which])
+
+    def _indexed(
+        self, world: World
+    ) -> Generator[bool, None, tuple[list[ObjectRecord], Array, dict[tuple[str, str], list[int]]]]:
+        """The records, their poses (n, 7), and by shape the rows of its objects."""
         poses = world.poses()[1].copy()
         records = list(world.objects.values())  # in the scene's order, as the poses are
-        boxes = {key: _box(triangles) for key, triangles in self._shapes.items()}
-        sizes: list[tuple[Array, Array]] = []
-        rows: dict[str, int] = {}
+        known: dict[tuple[str, str], list[int]] = {}
         for row, record in enumerate(records):
-            sizes.append(boxes.get(_shape_of(record), _NO_BOX))
-            rows[record.name] = row
+            known.setdefault((record.kind, record.shape), []).append(row)
             if row % _CHUNK == _CHUNK - 1:
                 yield WORKS
-        middles = np.array([middle for middle, _ in sizes]).reshape(-1, 3)
-        halves = np.array([half for _, half in sizes]).reshape(-1, 3)
-        centres = poses[:, :3] + rotate(poses[:, 3:], middles)
-        shapes = [self._shapes.get(_shape_of(record), _NOTHING) for record in records]
-        eye, ahead = eyes(actor())
-        return View(eye, ahead, rows, poses, middles, halves, centres, shapes)
+        return records, poses, known
 
-    def _read(self, kind: str) -> Array:
-        """The triangles of a kind; none where it has no shape, is broken, or is not known here."""
+    def _read(self, kind: str) -> Mesh:
+        """The shape of a kind; nothing where it has none, is broken, or is not known here."""
         try:
             shape = self._workspace.objects.shape(kind)
         except AhmssError:
             return _NOTHING
-        return _NOTHING if shape is None else triangles_of(shape.glb)
+        return _NOTHING if shape is None else Mesh.of(triangles_of(shape.glb))
 
 
-def _shape_of(record: ObjectRecord) -> tuple[str, str]:
-    """What a record's shape is known by: its kind, and the hash of what the world shows of it."""
-    return record.kind, record.shape
-
-
-def _box(triangles: Array) -> tuple[Array, Array]:
-    """Middle and half of the box around triangles; _NO_BOX where there are none."""
-    if not len(triangles):
-        return _NO_BOX
-    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-    return 0.5 * (low + high), 0.5 * (high - low)
+def _radius(mesh: Mesh) -> float:
+    """Of the ball around a mesh's box, metres; -1 where there is nothing."""
+    return -1.0 if mesh.half[0] < 0.0 else float(np.linalg.norm(mesh.half))

@@ -16,7 +16,7 @@ from mcp.server.mcpserver import Image, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 
 from ahmss.client import Client, Handle
-from ahmss.errors import AhmssError, CommandError, NoAnswer
+from ahmss.errors import AhmssError, CommandError, NoAnswer, PortRefused
 from ahmss.main.command import Wait, parse
 from ahmss.mind import words
 from ahmss.mind.picture import picture
@@ -59,8 +59,9 @@ class Mind:
     def where_am_i(self) -> str:
         """Tell who you are, where you stand and face, what you hold, what is being done, and who else is here."""
         with self.human() as client:
+            me = client.me()
             others = [words.person(other) for other in client.humans()]
-            return "\n".join([words.self_told(client.me()), *others])
+            return "\n".join([words.self_told(me), *self._gestures(client, me.human), *others])
 
     def list_objects(self, seen_only: bool = False) -> str:
         """List the objects here, near ones first: name, what it is, distance, direction, place (x y z), states.
@@ -189,6 +190,15 @@ class Mind:
         if result.status in ("failed", "cancelled"):
             raise ToolError(told)
         return told
+
+    @staticmethod
+    def _gestures(client: Client, human: str) -> list[str]:
+        """What the body affords itself, where the workspace has that."""
+        try:
+            names = [action.name for action in client.afforded(human).now]
+        except PortRefused:
+            return []
+        return [f'With object="{human}", yourself, you can: {", ".join(names)}.'] if names else []
 
     @staticmethod
     def _afterwards(client: Client, name: str) -> str:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.body.skeleton import Skeleton
 from ahmss.main.afforded import Actor
+from ahmss.main.mesh import Mesh
 from ahmss.main.sight import View, eyes
 
 UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
@@ -26,15 +29,12 @@ def box(half: tuple[float, float, float]) -> Array:
 
 def view(*things: tuple[str, tuple[float, float, float], tuple[float, float, float], float]) -> View:
     """From (0, 0, 1.6) towards +x at boxes: name, place, half, turn about z in degrees; a half of 0 has no shape."""
-    shapes = [box(half) if any(half) else np.zeros((0, 3, 3)) for _, _, half, _ in things]
+    meshes = [Mesh.of(box(half) if any(half) else np.zeros((0, 3, 3))) for _, _, half, _ in things]
     turns = [from_axis_angle(UP, np.radians(degrees)) for _, _, _, degrees in things]
     poses = np.array([[*place, *turn] for (_, place, _, _), turn in zip(things, turns, strict=True)])
-    halves = np.array([half if any(half) else (-1.0, -1.0, -1.0) for _, _, half, _ in things], float)
+    radii = np.array([np.linalg.norm(half) if any(half) else -1.0 for _, _, half, _ in things])
     names = {name: row for row, (name, _, _, _) in enumerate(things)}
-    middles = np.zeros_like(halves)
-    return View(
-        np.array([0.0, 0.0, 1.6]), np.array([1.0, 0.0, 0.0]), names, poses, middles, halves, poses[:, :3], shapes
-    )
+    return View(np.array([0.0, 0.0, 1.6]), np.array([1.0, 0.0, 0.0]), names, poses, poses[:, :3], radii, meshes)
 
 
 SMALL = (0.05, 0.05, 0.05)
@@ -94,3 +94,20 @@ def test_the_eyes_are_in_front_of_the_head_and_turn_with_it() -> None:
     turned, there = eyes(Actor("ken", skeleton, root, left, {}))
     assert there == pytest.approx([0.0, level, below], abs=1e-9)
     assert turned[1] == pytest.approx(eye[0])
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_ray_meets_a_mesh_of_many_triangles_where_it_meets_one_of_them(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    triangles = rng.uniform(-1.0, 1.0, (300, 1, 3)) + rng.normal(0.0, 0.05, (300, 3, 3))
+    mesh = Mesh.of(triangles)
+    assert sum(len(group) for group in mesh.groups) == 300
+    assert max(len(group) for group in mesh.groups) <= 32
+    origin = rng.uniform(-2.0, 2.0, 3)
+    way = rng.normal(size=3)
+    way /= np.linalg.norm(way)
+    alone = [Mesh.of(one[None]).hit(origin, way, 2.0) for one in triangles]
+    assert mesh.hit(origin, way, 2.0) == any(alone)
+    inside = triangles[0].mean(axis=0)
+    towards = (inside - origin) / np.linalg.norm(inside - origin)
+    assert mesh.hit(origin, towards, float(np.linalg.norm(inside - origin)) + 1e-6)
