@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import select
 import subprocess
@@ -81,6 +82,8 @@ def _address_of(main: subprocess.Popen[bytes]) -> str:
     except ValueError:
         told = {}
     if "port" not in told:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            main.wait(_STOP_S)  # it has said why, and ends by itself
         raise WorldError(f"the main process did not start: {told.get('error', 'it gave no reason')}")
     print(f"ahmss: the world is at {told['server']}; to watch: ahmss view --server {told['server']}", file=sys.stderr)
     return told["port"]

@@ -112,6 +112,16 @@ def test_without_a_main_it_says_how_to_start_one() -> None:
     assert said.endswith("or let it start a world of its own: ahmss mcp --scene room")
 
 
+def test_a_scene_that_is_none_is_said_to_be_none() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "ahmss", "mcp", "--scene", "rom"], stdin=subprocess.DEVNULL, capture_output=True,
+        text=True, timeout=50, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (1, "")
+    assert 'ahmss: the main process did not start: no kind of object "rom"; ' in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_without_the_package_it_says_what_to_install() -> None:
     program = "import sys; sys.modules['mcp'] = None; from ahmss.cli import main; main()"
     done = subprocess.run(
