@@ -118,7 +118,7 @@ def test_a_scene_that_is_none_is_said_to_be_none() -> None:
         text=True, timeout=50, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (1, "")
-    assert 'ahmss: the main process did not start: no kind of object "rom"; ' in done.stderr
+    assert 'ahmss: the main process did not start: no kind of object "rom", did you mean "room"?' in done.stderr
     assert "Traceback" not in done.stderr
 
 
