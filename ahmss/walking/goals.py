@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
-from ahmss.walking.obstacles import nearest_free
+from ahmss.walking.obstacles import Obstacles, nearest_free
 
 __all__ = ["FARTHEST", "REACH", "Goal", "beside", "check_distance", "facing_of"]
 
@@ -19,6 +20,8 @@ REACH = 0.42  # metres from a thing that has no place of its own to stand at
 FARTHEST = 2000.0
 _NEAR = 0.20  # metres that one comes to things to use them
 _DIRECTIONS = 24
+_ROOM = 0.34  # metres that other things should be away: half the shoulders' width, and an arm
+_BETWEEN = 5.0  # what it costs that one of them is between, where a metre of reach too far costs three
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,8 @@ def facing_of(rotation: Array) -> float:
 def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float = REACH) -> Goal:
     """Where to stand to use a thing at a place (2,): within reach, clear of footprints, facing it, not far to go.
 
+    Nothing is to be between, as a wall is behind a table, nor close behind one; what the thing stands on may be close.
+
     Args:
         thing: the place of what is used, metres, world.
         human: (2,) who comes.
@@ -59,11 +64,16 @@ def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float =
         reach: how far from the thing, metres; a little nearer or further where that is needed.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    shapes = Obstacles.of(outlines, _NEAR).shapes
+    others = shapes[shapely.distance(shapes, shapely.Point(thing)) > 0.0]
     best: tuple[float, Array] | None = None
     for angle in angles.tolist():
         wanted = thing + reach * np.array([np.cos(angle), np.sin(angle)])
         free = nearest_free(wanted, outlines, _NEAR)
         cost = 3.0 * abs(float(np.linalg.norm(free - thing)) - reach) + 0.3 * float(np.linalg.norm(free - human))
+        if len(others):
+            cost += 3.0 * max(_ROOM - float(shapely.distance(others, shapely.Point(free)).min()), 0.0)
+            cost += _BETWEEN * bool(shapely.intersects(others, shapely.LineString([free, thing])).any())
         if best is None or cost < best[0]:
             best = cost, free
     assert best is not None

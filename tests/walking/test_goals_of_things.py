@@ -39,3 +39,12 @@ def test_what_stands_on_a_table_is_used_from_its_edge() -> None:
 def test_a_heading_is_that_of_the_x_axis(degrees: float) -> None:
     q = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.radians(degrees))
     assert np.degrees(facing_of(q)) == pytest.approx(degrees)
+
+
+def test_one_does_not_stand_where_a_wall_is_between() -> None:
+    table, wall = box(2.0, 0.5, 1.2, 0.8), box(2.0, 0.0, 6.0, 0.02)
+    cup, human = np.array([2.0, 0.2]), np.array([2.0, -3.0])
+    assert beside(cup, human, [table]).place[1] < 0.1
+    goal = beside(cup, human, [table, wall])
+    assert goal.place[1] > 0.05
+    assert shapely.distance(shapely.Polygon(table), shapely.Point(goal.place)) > 0.18
