@@ -25,6 +25,7 @@ import zmq
 
 from ahmss.errors import ActionFailed, NoAnswer, PortRefused
 from ahmss.port import schema
+from ahmss.port.acts import act
 from ahmss.port.address import address_of
 from ahmss.port.schema import Act, Affordances, Event, Person, Reply, Request, Result, Self, Thing
 from ahmss.world.keys import read_client
@@ -298,25 +299,3 @@ class Handle:
         if self._last is None or self._last.status not in _OVER:
             self._last = self._client.result(self.number, seconds)
         return self._last
-
-
-def act(
-    object: str | Sequence[float], action: str, *, to: str | Sequence[float] = (), facing_deg: float | None = None,  # noqa: A002
-    hand: str = "", pose: str = "", frames: int | None = None, parameters: Mapping[str, str | float] | None = None,
-    after: int = 0, follows: bool = False,
-) -> Act:  # fmt: skip
-    """One motion of a line, for `Client.together`; arguments as `Client.do` has them, and as `Act` says."""
-    return Act(
-        object if isinstance(object, str) else "",
-        action,
-        () if isinstance(object, str) else tuple(object),
-        () if isinstance(to, str) else tuple(to),
-        to if isinstance(to, str) else "",
-        facing_deg,
-        hand,
-        pose,
-        dict(parameters or {}),
-        frames,
-        after,
-        follows,
-    )
