@@ -8,11 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanFrame, HumanTask, ObjectTask
 from ahmss.body.array import Array
-from ahmss.body.links import fingers
+from ahmss.body.inverse import grips, solve
+from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.field import Field
@@ -20,10 +22,16 @@ from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import DEEP, Holding, opener
 from ahmss.grasping.power import power
 from ahmss.grasping.precision import SPAN, precision
+from ahmss.reaching.comfort import discomfort
+from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.waist import bent_towards
 
 __all__ = ["Closing", "closing", "from_skin", "read_shape"]
 
 _LOOKS = np.linspace(0.15, 0.9, 6)  # shares of the way at which the closing fingers are looked at
+_MISSES = 0.002  # metres that the palm may be from where it is to hold
+_BELOW, _FROM_BELOW = 0.03, 60.0  # metres that the wrist may be below the palm, and what one more costs
+_SPINE = INDEX["spine"]
 _SOONER = 1.5  # the palm is there before the fingers have closed, by this much
 
 
@@ -32,12 +40,14 @@ class Closing:
     """A grip in the world.
 
     palm: its frame. shape: (14, 4) rotations of the fingers, in the order of links. wide: (14, 4) of the fingers as
-    they must open first; None where they can close from where they are.
+    they must open first; None where they can close from where they are. spine: (4,) as the arm asks the waist to bend;
+    None where it may stay.
     """
 
     palm: Transform
     shape: Array
     wide: Array | None
+    spine: Array | None = None
 
 
 def read_shape(task: HumanTask | ObjectTask) -> None:
@@ -76,16 +86,78 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
         )
     named = thing.sites.get(task.message.site)
     hand = Hand.of(task.human, side)
-    grips = precision if named is not None and named.grip == "precision" else power
-    holding = grips(hand, field, grip.row(), site.row())
+    arm = _Arm(task, side)
+    if named is not None and named.grip == "precision":
+        holding = precision(hand, field, grip.row(), site.row(), arm.cost)
+    else:
+        holding = power(hand, field, grip.row(), site.row())
     if holding is None or not holding.holds:
         raise AlgorithmError(_why(thing.name, holding))
     palm = Transform.of(holding.palm)
+    spine = arm.spine_for(palm)
     far = float(np.linalg.norm(palm.place - grip.place))
     if far > most:
         raise AlgorithmError(f"the palm is {far:.2f} m from where it holds {thing.name}; reach for it first")
     present = task.start.rotations[list(fingers(side))]
-    return Closing(thing.frame.then(palm), holding.shape, _wide(hand, field, grip, present, holding))
+    return Closing(thing.frame.then(palm), holding.shape, _wide(hand, field, grip, present, holding), spine)
+
+
+class _Arm:
+    """The arm of a hand, as the body is now: which palms, in the object's frame, it can bring the hand to."""
+
+    def __init__(self, task: HumanTask, side: str) -> None:
+        assert task.object is not None
+        self.task, self.thing = task, task.object
+        self.reacher = Reacher.of(task.human, side)
+
+    def cost(self, palms: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """What palms (n, 7) cost the arm, and which it can take; more where the hand would come from below."""
+        start, reacher = self.task.start, self.reacher
+        grip = self.thing.frame.then(Transform.of(palms)).row()
+        rotations = np.repeat(start.rotations[None], len(palms), axis=0)
+        rotations[:, _SPINE] = self._bent(grip)
+        spine = seat(self.task.human, rotations, np.repeat(start.root[None], len(palms), axis=0))
+        present = reacher.arm.from_pose(start.rotations[reacher.links])
+        cost, found, missing = discomfort(reacher, grip, spine, present)
+        below = np.maximum(grip[:, 2] - reacher.hand(grip)[0][:, 2] - _BELOW, 0.0)
+        return cost + _FROM_BELOW * below, found & (missing < _MISSES)
+
+    def spine_for(self, palm: Transform) -> Array | None:
+        """The spine (4,) with which the arm brings the palm there; None where it may stay, or while one walks.
+
+        Raises:
+            AlgorithmError: the palm stays so far away that thumb or fingers would not be on the object.
+        """
+        start = self.task.start
+        goal = self.thing.frame.then(palm).row()
+        if self.task.carried or self._misses(goal, start.rotations[_SPINE]) < _MISSES:
+            return None
+        bent = self._bent(goal)
+        misses = self._misses(goal, bent)
+        if misses > _MISSES:
+            raise AlgorithmError(
+                f"the {self.reacher.side} arm can't bring the hand to where it holds {self.thing.name}: it misses by "
+                f"{100.0 * misses:.1f} cm; stand nearer or elsewhere, or give the site another rotation"
+            )
+        return bent
+
+    def _bent(self, grip: Array) -> Array:
+        """Spines (..., 4) bent at the waist as palms (..., 7) in the world ask for."""
+        start = self.task.start
+        shape = grip.shape[:-1]
+        hips, spine = (np.broadcast_to(start.rotations[i], (*shape, 4)) for i in (0, _SPINE))
+        root = np.broadcast_to(start.root, (*shape, 3))
+        return bent_towards(self.reacher, hips, root, spine, self.reacher.hand(grip)[0])
+
+    def _misses(self, goal: Array, spine: Array) -> float:
+        """Metres that the palm stays away from a goal (7,)."""
+        start, row = self.task.start, self.reacher.row
+        targets = np.zeros((5, 8))
+        targets[row, :7], targets[row, 7] = goal, 1.0
+        rotations = start.rotations.copy()
+        rotations[_SPINE] = spine
+        rotations = solve(self.task.human, rotations, start.root, targets)
+        return float(np.linalg.norm(grips(self.task.human, rotations, start.root)[row, :3] - goal[:3]))
 
 
 def from_skin(task: ObjectTask, human: HumanFrame, side: str) -> float:

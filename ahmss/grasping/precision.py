@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
-from ahmss.body.quaternion import conjugate, from_matrix, multiply, rotate, to_matrix
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, to_matrix
 from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import ALONG, Hand, Thumb
 from ahmss.grasping.holding import Holding, Trial, best
 
-__all__ = ["precision", "thickness"]
+__all__ = ["Cost", "precision", "thickness"]
 
 DEPTHS = np.array([0.015, 0.01, 0.022, 0.006])  # metres behind where the shape begins
 SPAN = 0.11  # metres between the pads at the most
@@ -19,11 +23,20 @@ STEP = 0.0005  # metres between places that are looked at along a line
 UPRIGHT = 0.8  # what it costs to close along the hand rather than across it
 SLANT, THIN = np.radians(30.0), 0.03  # how much aslant what is thinner than that may lie between the pads, metres
 PADS = 2  # links that touch where the pads are well on it
+TILTS = np.radians([0.0, -25.0, 25.0, -50.0, 50.0, -75.0, 75.0, -90.0, 90.0])  # against the site's x, about its z
+TILTED, SITES, TRIED = (
+    0.8,
+    100.0,
+    3,
+)  # what a radian of that costs; above all is what the site says; ways that are tried
 PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
-def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
+Cost = Callable[[Array], tuple[Array, NDArray[np.bool_]]]  # of palms (n, 7): what they cost the arm, and which it takes
+
+
+def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Holding | None:
     """The best precision grip at a site, thumb and fingers along its z, the hand coming along its x.
 
     Args:
@@ -31,34 +44,71 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | N
         field: of the object, in whose frame all is.
         grip: (7,) the palm's frame at present.
         site: (7,) where the pads shall be, or further in.
+        cost: of palms, for an arm that can't bring the hand everywhere. Where it can't come along x, the hand comes
+            from another side of the line on which the pads close, or with thumb and fingers exchanged.
 
     Returns:
         The grip, which may not hold; None where the shape is thicker than the hand spans, or is not there.
     """
-    first = _closed(hand, field, grip, site, DEPTHS[:1])
-    if first is not None and first.well(PADS):
-        return first
-    return _closed(hand, field, grip, site, DEPTHS)
+    found: Holding | None = None
+    for way in _ways(hand, field, grip, site, cost)[:TRIED]:
+        holding = _closed(hand, field, way, DEPTHS[:1])
+        if holding is None or not holding.well(PADS):
+            holding = _closed(hand, field, way, DEPTHS)
+        if holding is not None and holding.holds:
+            return holding
+        found = found or holding
+    return found
 
 
-def _closed(hand: Hand, field: Field, grip: Array, site: Array, depths: Array) -> Holding | None:
+@dataclass(frozen=True)
+class _Way:
+    """How a hand comes to a site (7,), along whose x, the thumb on the side of its z (1.0) or the other (-1.0)."""
+
+    site: Array
+    thumb: float
+
+
+def _ways(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None) -> list[_Way]:
+    """The ways in which a hand may come, the best first: as it is, else from where the arm takes it most easily."""
+    tilts = TILTS if cost is not None else TILTS[:1]
+    turned = multiply(site[3:], from_axis_angle(Z, tilts))
+    tried = [_Way(np.concatenate([site[:3], row]), sign) for row in turned for sign in (1.0, -1.0)]
+    placed = [_placed(hand, field, way, DEPTHS[0]) for way in tried]
+    some = [i for i, one in enumerate(placed) if one is not None]
+    if not some:
+        return []
+    palms = _palms(hand, np.array([one[0] for one in placed if one is not None]))
+    apart = 1.0 - np.abs(multiply(conjugate(palms[:, 3:]), grip[3:])[:, 0])
+    total, can = (np.zeros(len(some)), np.ones(len(some), bool)) if cost is None else cost(palms)
+    tilt = np.abs(np.repeat(tilts, 2)[some])
+    # As the site says where the arm can: the thumb on the side that is nearer to how the hand is.
+    own = np.where(can & (tilt == 0.0), -SITES + apart, total + TILTED * tilt + apart)
+    return [tried[some[i]] for i in np.argsort(own, kind="stable")]
+
+
+def _closed(hand: Hand, field: Field, way: _Way, depths: Array) -> Holding | None:
     """The best grip of those so deep (n); None where the shape is too thick."""
-    tried = [_placed(hand, field, grip, site, depth) for depth in depths]
+    tried = [_placed(hand, field, way, depth) for depth in depths]
     found = [(pose, rise, i) for i, one in enumerate(tried) if one is not None for pose, rise in [one]]
     if not found:
         return None
     poses = np.array([pose for pose, _, _ in found])  # of the hand
-    turn = to_matrix(poses[:, 3:])
-    grips = multiply(poses[:, 3:], np.broadcast_to(hand.grip[3:], (len(poses), 4)))
-    palms = np.concatenate([poses[:, :3] + turn @ hand.grip[:3], grips], axis=1)
     rises = np.array([[rise] for _, rise, _ in found])
     bends, cost = np.full_like(rises, THUMB_SLACK), 0.05 * np.array([i for _, _, i in found], float)
-    hands = Hands(poses[:, :3], turn)
-    return best(hand, field, Trial(hands, palms, PRECISION[None], rises, bends, cost, np.zeros_like(rises), PADS))
+    hands, curls = Hands(poses[:, :3], to_matrix(poses[:, 3:])), PRECISION[None]
+    return best(hand, field, Trial(hands, _palms(hand, poses), curls, rises, bends, cost, np.zeros_like(rises), PADS))
 
 
-def _placed(hand: Hand, field: Field, grip: Array, site: Array, depth: float) -> tuple[Array, float] | None:
+def _palms(hand: Hand, poses: Array) -> Array:
+    """The palms (n, 7) of hands (n, 7)."""
+    grips = multiply(poses[:, 3:], np.broadcast_to(hand.grip[3:], (len(poses), 4)))
+    return np.concatenate([poses[:, :3] + rotate(poses[:, 3:], hand.grip[:3]), grips], axis=1)
+
+
+def _placed(hand: Hand, field: Field, way: _Way, depth: float) -> tuple[Array, float] | None:
     """The hand's frame (7,) whose pads are so deep in the shape, and its thumb's plane; None where it is too thick."""
+    site = way.site
     inward, across = rotate(site[3:], X), rotate(site[3:], Z)
     s = np.arange(0.0, SPAN + 0.05, STEP)
     inside = field.clearance(site[:3] - s[:, None] * inward) < 0.0
@@ -69,17 +119,9 @@ def _placed(hand: Hand, field: Field, grip: Array, site: Array, depth: float) ->
         return None
     middle = middle + 0.5 * (sides[0] - sides[1]) * across
     place, turn, rise = _pinch(hand, sum(sides))
-    best_pose: Array | None = None
-    least = np.inf
-    for sign in (1.0, -1.0):  # the thumb on that side or on the other, whichever is nearer to how the hand is
-        frame = np.stack([inward, np.cross(sign * across, inward), sign * across], axis=1)
-        q_object_hand = from_matrix(frame @ turn.T)
-        apart = abs(float(multiply(conjugate(multiply(q_object_hand, hand.grip[3:])), grip[3:])[0]))
-        if 1.0 - apart < least:
-            least = 1.0 - apart
-            best_pose = np.concatenate([middle - rotate(q_object_hand, place), q_object_hand])
-    assert best_pose is not None
-    return best_pose, rise
+    frame = np.stack([inward, np.cross(way.thumb * across, inward), way.thumb * across], axis=1)
+    q_object_hand = from_matrix(frame @ turn.T)
+    return np.concatenate([middle - rotate(q_object_hand, place), q_object_hand]), rise
 
 
 def thickness(field: Field, place: Array, across: Array) -> tuple[float, float] | None:

@@ -14,7 +14,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, importance_of, run
 from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.body.array import Array
-from ahmss.body.links import fingers
+from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import between, multiply, rotate, slerp
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
@@ -55,7 +55,7 @@ def grasp(task: HumanTask) -> Iterator[Array]:
         shapes = slerp(present, end.wide, minimum_jerk(time / WIDE_BY)[:, None])
         late = minimum_jerk((time - CLOSES_FROM) / (1.0 - CLOSES_FROM))[:, None]
         shapes = np.where(late[..., None] > 0.0, slerp(end.wide, end.shape, late), shapes)
-    yield _frames(task, side, shapes, (end.palm, arriving))
+    yield _frames(task, side, shapes, (end.palm, arriving), end.spine)
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:
@@ -121,12 +121,18 @@ def _seen_from_hand(skeleton: Skeleton, side: str, grip: Transform, axis: Transf
     return Cylinder(seen.place, rotate(seen.rotation, np.array([0.0, 0.0, 1.0])), radius)
 
 
-def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Array]) -> Array:
-    """Poses, importances and targets from the fingers' rotations (n, 14, 4) and the palm's end with its way (n)."""
+def _frames(
+    task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Array], spine: Array | None = None
+) -> Array:
+    """Poses, importances and targets from the fingers' rotations (n, 14, 4), the palm's end with its way (n), and the
+    spine (4,) at the end where the waist bends.
+    """
     end, moved = palm
     length = len(shapes)
     rotations = np.repeat(task.start.rotations[None], length, axis=0)
     rotations[:, list(fingers(side))] = shapes
+    if spine is not None:
+        rotations[:, INDEX["spine"]] = slerp(rotations[:, INDEX["spine"]], spine, moved)
     targets = np.zeros((length, 5, 8))
     row = targets[:, 0 if side == "right" else 1]
     grip = task.start.grip(side)
@@ -134,7 +140,7 @@ def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Ar
     row[:, 3:7] = slerp(grip.rotation, end.rotation, moved)
     row[:, 7] = 1.0
     shares = {f"{side}_{part}": 1.0 for part in ("upper_arm", "lower_arm", "hand", "thumb", "index", "middle")}
-    if task.carried:  # the trunk is bent as the reach has left it, for as long as the hand is on its way
+    if spine is not None or task.carried:  # bent for the hand, or as the reach has left it, while the hand goes
         shares["spine"] = SPINE
     importance = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
     if task.site is not None and not task.parameter("open", False):

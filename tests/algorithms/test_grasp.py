@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import trimesh
 from msgspec.structs import replace
 
-from ahmss.algorithm import Transform, frames
-from ahmss.algorithm.messages import PoseRecord, ShapeRecord, Start
+from ahmss.algorithm import Transform, frames, grasping
+from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, fingers
-from ahmss.body.quaternion import rotate
+from ahmss.body.quaternion import IDENTITY, rotate
+from ahmss.database import Workspace
 from ahmss.errors import AlgorithmError
 from ahmss.motion.fingers import Cylinder, closed
 from tests.grasping.shapes import outside, thing
@@ -109,6 +113,63 @@ def test_a_lever_is_gripped_by_its_own_shape(side: str) -> None:
         near[finger] = min(gap, near.get(finger, 1.0))
     assert near["thumb"] < 0.002
     assert sum(gap < 0.002 for gap in near.values()) == 5
+
+
+@pytest.mark.parametrize(("name", "side"), [("ken", "right"), ("ken", "left"), ("aiko", "right"), ("aiko", "left")])
+def test_a_box_is_between_thumb_and_fingers_where_the_wrist_can_not_come_from_the_front(
+    name: str, side: str, tmp_path: Path
+) -> None:
+    """Its sides are to the left and right: squarely behind it the wrist would be bent by a right angle."""
+    body, start, frame, corners = before_a_box(name, side, tmp_path, (0.05, 0.06, 0.12))
+    body.do("grasp", start)
+    places, turned = forward(body.rotations, body.root, body.skeleton.offsets)
+    on: dict[str, float] = {}
+    for link in fingers(side):
+        along = np.linspace(0.0, 0.9, 12)[:, None] * body.skeleton.tips[link]
+        points = frame.inverse().apply(places[link] + rotate(turned[link], along))
+        gap = outside(points, corners) - body.skeleton.radii[link]
+        assert gap.min() > -0.002, LINKS[link]
+        if gap.min() < 0.002:
+            on[LINKS[link].split("_")[1]] = float(np.sign(points[gap.argmin(), 1]))
+    assert on["index"] == on["middle"] == -on["thumb"], on
+
+
+def test_what_the_arm_can_not_come_to_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grasping, "bent_towards", lambda _reacher, _hips, _root, spine, _wrist: spine)  # a stiff waist
+    body, start, _, _ = before_a_box("ken", "right", tmp_path, (0.05, 0.06, 0.12), at=(0.5, -0.15))
+    with pytest.raises(AlgorithmError, match=r"right arm can't bring the hand to where it holds box: it misses by \d"):
+        body.do("grasp", start)
+
+
+def before_a_box(
+    name: str, side: str, folder: Path, size: tuple[float, float, float], at: tuple[float, float] = (0.42, -0.15)
+) -> tuple[Body, Start, Transform, Array]:
+    """Who has brought a palm before a box whose sides to the left and right are gripped; its frame and triangles."""
+    mirrored = 1.0 if side == "right" else -1.0
+    body, frame = Body(name, facing=-20.0 * mirrored), Transform(np.array([at[0], mirrored * at[1], 0.88]), IDENTITY)
+    mesh = trimesh.creation.box(extents=size)
+    mesh.apply_translation([0.0, 0.0, 0.5 * size[2]])
+    home = folder / "objectdb" / "box"
+    home.mkdir(parents=True)
+    mesh.export(home / "box.stl")
+    (home / "object.toml").write_text('name = "box"\nshape = "box.stl"\nunit = "m"\n')
+    kept = Workspace(folder).objects.kept_shape("box")
+    assert kept is not None
+    site = SiteRecord((0.0, 0.0, 0.07), (0.5**0.5, 0.5**0.5, 0.0, 0.0), "", "precision")
+    thing = ObjectRecord(
+        5, "box", "box", tuple(frame.place), tuple(frame.rotation), {"sides": site}, {}, {},
+        shape=ShapeRecord(str(kept[0]), kept[1]),
+    )  # fmt: skip
+    targets = np.zeros((5, 8))
+    row = 0 if side == "right" else 1
+    targets[row, :3] = frame.apply(np.array([-0.06, 0.0, 0.07]))
+    targets[row, 3:7], targets[row, 7] = [np.cos(0.45), -mirrored * np.sin(0.45), 0.0, 0.0], 1.0
+    body.rotations = solve(body.skeleton, body.rotations, body.root, targets)
+    start = Start(
+        kind="human", human=body.skeleton.to_record(), pose=PoseRecord.of(body.rotations, body.root), frames=30,
+        object=thing, site="sides", hand=side,
+    )  # fmt: skip
+    return body, start, frame, np.array(mesh.vertices[mesh.faces])
 
 
 def test_a_tap_is_taken_between_thumb_and_fingers_and_let_go_along_the_way_it_came() -> None:
