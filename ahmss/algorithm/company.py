@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 
-__all__ = ["Watching", "aside_of", "eye_of"]
+__all__ = ["Watching", "aside_of", "eye_of", "settled"]
 
 _EYES = "eyes"
 _BEHIND = np.radians(115.0)  # from straight ahead: farther round neither neck nor waist goes
@@ -36,6 +37,11 @@ def aside_of(task: HumanTask, place: Array) -> float:
     at, turn = floor_frame(task.present.rotations, task.present.root)
     x, y, _ = rotate(turn * np.array([1.0, -1.0, -1.0, -1.0]), place - at)
     return float(np.arctan2(y, x))
+
+
+def settled(track: deque[Array], frames: int, most: float) -> bool:
+    """Whether places (n,) of so many frames are there, and none has moved by more than so many metres."""
+    return len(track) >= frames and bool(np.ptp(np.array(track), axis=0).max() <= most)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from ahmss.main.company import Body, Everything, Humans, place_of
 from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
-from ahmss.world.schema import Claim, Hello, ObjectRecord, Release, SetState, StateChange, StateValue, Welcome
+from ahmss.world.schema import Claim, Hello, ObjectRecord, Release, SetState, StateChange, StateValue, Transfer, Welcome
 from ahmss.world.view import World
 
 __all__ = ["Communication"]
@@ -199,6 +199,14 @@ class Communication:
         pending = self.client.begin(Claim(self.human, [name], hand))
         if self.lockstep:  # the others' frames wait for this one: nothing is held up that does not wait anyway
             with contextlib.suppress(WorldError):  # `pending` keeps the reason
+                self.client.finish(pending, _PATIENCE)
+        return pending
+
+    def transfer(self, name: str, taker: str, hand: str) -> Pending:
+        """Give an object from this human's hand into another's; frames that come after this move it no more."""
+        pending = self.client.begin(Transfer(name, self.human, taker, hand))
+        if self.lockstep:
+            with contextlib.suppress(WorldError):
                 self.client.finish(pending, _PATIENCE)
         return pending
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,18 +11,22 @@ from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import FRAME_OBJECT, HEADER, Kind, State, size
 from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
-from ahmss.errors import AhmssError, Unreachable
+from ahmss.database.statefile import HELD
+from ahmss.errors import AhmssError, Unreachable, WorldError
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
 from ahmss.main.company import met, numbers, rows_of_sites
 from ahmss.main.database import Actor, Database, Order
 from ahmss.main.motion import Motion, Mover
+from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.people import People
 from ahmss.main.surroundings import NOTHING, Surroundings, among, known, latest
+from ahmss.world.link import Pending
 
 __all__ = ["Control"]
 
 _HUMAN = 190  # float64 of a FRAME without an object
+_RELUCTANT = 5.0  # seconds that a hand which has closed on what it is given waits for the other to let go
 
 
 class Control:
@@ -43,6 +48,7 @@ class Control:
         self._motions: list[Motion] = []
         self._movers: dict[str, Mover] = {}
         self._surroundings, self._people = Surroundings(), People()
+        self._passing: list[tuple[Mover, Pending]] = []  # what was on its way when its motion was given up
         self._number = 0
         self._block = np.zeros(size(FRAME_OBJECT))
         self._moved = self._changes = NOTHING
@@ -67,7 +73,7 @@ class Control:
     @property
     def holds(self) -> dict[str, str]:
         """The objects that were taken, each with the hand that holds it ("": none, it is sat on)."""
-        return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes}
+        return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes and not mover.awaits}
 
     @property
     def contributions(self) -> list[Contribution]:
@@ -119,6 +125,14 @@ class Control:
         for mover in list(self._movers.values()):
             if mover.granted and self._holder(mover):
                 self._give_up(mover)
+        for mover, passes in [(mover, passes) for mover, passes in self._passing if passes.done]:
+            self._passing.remove((mover, passes))
+            if _refusal(passes):
+                self._take_back(mover)
+        for motion in list(self._motions):
+            self._check_company(motion)
+            if motion.passes is not None:
+                self._go_on_passing(motion)
         for motion in list(self._motions):
             if motion.follows in self._motions:
                 continue
@@ -133,7 +147,7 @@ class Control:
         """Ask every human algorithm for its next frame."""
         for motion in self._motions:
             process = motion.process
-            if process is None or not process.active:
+            if process is None or not process.active or motion.passes is not None:
                 continue
             humans = motion.order.human_algorithm.humans
             moved = latest(motion.missed, among(self._changes, motion.knows, strangers=humans))
@@ -246,13 +260,13 @@ class Control:
                 return None
             self._silence(mover)  # a chair is the sitter's until they have stood up
             return mover
-        if order.object_algorithm is None or hold == "keep":
-            return None
+        if order.object_algorithm is None or hold in ("keep", GIVE):
+            return mover if hold == GIVE else None
         if mover is not None:
             raise AhmssError(f"{order.title}: {mover.order.title} moves it until it is released")
         number = self._communication.world.objects[order.object].id
         hand = order.hand if hold == "take" else ""
-        claim = self._communication.claim(order.object, hand)
+        claim = self._communication.claim(order.object, hand) if hold != RECEIVE else None
         mover = Mover(order, number, self._communication.pose(order.object), claim)
         self._movers[order.object] = mover
         return mover
@@ -279,6 +293,51 @@ class Control:
                 self._refuse(mover, str(error))
             else:
                 mover.knows = known(record.id for record in start.world)
+
+    # From hand to hand
+
+    def _begin_passing(self, motion: Motion, state: str) -> None:
+        """An algorithm says that what it gives is in the other hand, or that the hand has closed on what it takes."""
+        mover, order = motion.mover, motion.order
+        if order.affordance.hold == GIVE and mover is not None and mover.granted:
+            self._silence(mover)
+            self._forget(mover)
+            motion.passes = self._communication.transfer(mover.name, order.whom, state)
+        elif order.affordance.hold == RECEIVE and mover is not None:
+            motion.passes = 0
+
+    def _go_on_passing(self, motion: Motion) -> None:
+        """Who gives waits for the answer, who receives until the world says that they have it."""
+        mover, passes = motion.mover, motion.passes
+        assert mover is not None
+        if isinstance(passes, int):
+            motion.passes = passes + 1
+            record = self._communication.world.objects.get(mover.name)
+            if mover.granted:
+                motion.passes = None
+            elif record is None or passes > _RELUCTANT * self._rate:
+                self._fail(motion, f"{motion.order.title}: {motion.order.whom} has not let go of {mover.name}")
+            elif record.holder in ("", self._communication.human) and mover.claim is None:
+                mover.given, mover.pose = True, self._communication.pose(mover.name)
+                mover.claim = self._communication.claim(mover.name, mover.order.hand)
+        elif passes is not None and passes.done:
+            motion.passes = None
+            if reason := _refusal(passes):
+                self._take_back(mover)
+                self._fail(motion, f"{motion.order.title}: {reason}; it stays in the hand")
+
+    def _take_back(self, mover: Mover) -> None:
+        """What could not be given is in the hand as before."""
+        mover.order = replace(mover.order, frames=0)  # the hand is closed on it already
+        mover.granted, mover.over, mover.given = False, False, True
+        mover.claim = self._communication.claim(mover.name, mover.order.hand)
+        self._movers[mover.name] = mover
+
+    def _check_company(self, motion: Motion) -> None:
+        """What is done to somebody who is gone has no sense any more."""
+        for name in motion.company:
+            if name not in self._communication.world.humans and motion in self._motions:
+                self._fail(motion, f"{motion.order.title}: {name} is gone")
 
     def _refuse(self, mover: Mover, reason: str) -> None:
         """The object can't be had: its motion ends."""
@@ -364,6 +423,8 @@ class Control:
                 if isinstance(message, Answer):
                     motion.take(message.row)
                     came = True
+                elif isinstance(message, State) and HELD in message.states:
+                    self._begin_passing(motion, str(message.states[HELD]))
                 elif isinstance(message, State):
                     self._change_states(message)
                 elif isinstance(message, Note):
@@ -441,6 +502,9 @@ class Control:
         mover = motion.mover
         if mover is None:
             return
+        if isinstance(motion.passes, Pending):  # it is on its way into the other hand, or stays in this one
+            self._passing.append((mover, motion.passes))
+            return
         if motion.order.affordance.hold == "release" or not mover.caught:
             self._release(mover)
 
@@ -469,3 +533,12 @@ class Control:
     def _forget(self, mover: Mover) -> None:
         if self._movers.get(mover.name) is mover:
             del self._movers[mover.name]
+
+
+def _refusal(pending: Pending) -> str:
+    """Why a request that is done was refused; "" where it was granted."""
+    try:
+        pending.result()
+    except WorldError as error:
+        return str(error)
+    return ""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from msgspec import UNSET
 
@@ -23,7 +24,9 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
 from ahmss.main.afforded import Actor, Meant, meant, why_not
 from ahmss.main.command import Act, Value
-from ahmss.main.description import Description, Scene, describe, four, triple
+from ahmss.main.company import KIND
+from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
+from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
@@ -48,6 +51,7 @@ class Order:
     goal: messages.Goal
     parameters: dict[str, Any]
     object_parameters: dict[str, Any]
+    whom: str = ""  # the other human, of what changes hands
 
     @property
     def wish(self) -> bool:
@@ -57,7 +61,7 @@ class Order:
     @property
     def title(self) -> str:
         """How the console calls it: `cup grasp`."""
-        return f"{self.object} {self.affordance.name}"
+        return f"{self.whom or self.object} {self.affordance.name}"
 
 
 class Database:
@@ -98,6 +102,8 @@ class Database:
         name = self._object_of(act, scene)
         what = meant(self.workspace, scene, name, act.action)
         name, kind, affordance = what.name, what.kind, what.affordance
+        if affordance.hold in PASSING:
+            return self._pass(act, what, scene, actor)
         human = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
         mover = affordance.object_algorithm
         entry = self.workspace.algorithms.find(mover, kind.directory) if mover else None
@@ -127,10 +133,16 @@ class Database:
         record = scene.objects.get(order.object)
         if record is None:
             raise CommandError(f"{order.title}: there is no {order.object} any more")
+        name = order.whom or order.object
+        if name not in scene.objects:
+            raise CommandError(f"{order.title}: {name} is gone")
+        record = scene.objects[name]
         kind = self.workspace.objects.get(record.kind)
-        reason = why_not(Meant(order.object, record, kind, order.affordance), actor, order.title)
+        reason = why_not(Meant(name, record, kind, order.affordance), actor, order.title)
         if reason:
             raise CommandError(reason)
+        if order.affordance.hold == GIVE:
+            refuse_full(scene, order.title, name)
 
     def start(
         self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float, *, carried: bool = False
@@ -161,6 +173,30 @@ class Database:
             directory=str(entry.directory),
         )
 
+    def _pass(self, act: Act, what: Meant, scene: Scene, actor: Actor) -> Order:
+        """What is given to, or received from, a human: the motion is about the thing, and the human is its goal."""
+        affordance, whom = what.affordance, what.name
+        named = find_object(scene, act.goal_object) if act.goal_object else ""
+        thing = passed(scene, actor, whom, affordance, act.hand, named)
+        title = f"{whom} {affordance.name}"
+        human = self.workspace.algorithms.find(affordance.human_algorithm, what.kind.directory)
+        kind, takes = taking(self.workspace, scene.objects[thing])
+        _refuse_unknown(title, act.parameters, affordance, human, None)
+        mover = None
+        if affordance.hold == RECEIVE and takes.object_algorithm:
+            mover = self.workspace.algorithms.find(takes.object_algorithm, kind.directory)
+        try:
+            parameters = fill(human.parameters, {**affordance.parameters, **dict(act.parameters)})
+            object_parameters = fill(mover.parameters, takes.parameters) if mover else {}
+        except ValueError as error:
+            raise CommandError(f"{title}: parameter {error}") from None
+        hand = actor.holds[thing] if affordance.hold == GIVE else act.hand or _free_hand(actor)
+        goal = messages.Goal(object=describe_human(self.workspace, scene, whom))
+        return Order(
+            act, thing, msgspec.structs.replace(affordance, site=takes.site), human, mover,
+            act.frames or affordance.frames, act.after, hand, goal, parameters, object_parameters, whom,
+        )  # fmt: skip
+
     def _object_of(self, act: Act, scene: Scene) -> str:
         """The object that an act means, by its name or by a place."""
         if act.object:
@@ -189,7 +225,12 @@ class Database:
             place = (act.goal_place[0], act.goal_place[1], (*act.goal_place, float(pose[2]))[2])
         if act.goal_object:
             name = find_object(scene, act.goal_object)
-            target = describe(self.workspace, scene.objects[name], scene.pose(name))
+            human = scene.objects[name].kind == KIND
+            target = (
+                describe_human(self.workspace, scene, name)
+                if human
+                else describe(self.workspace, scene.objects[name], scene.pose(name))
+            )
             place = target.place
         facing = None if act.facing_deg is None else math.radians(act.facing_deg)
         posture = None
@@ -267,9 +308,14 @@ def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str
     return other if hand in busy and other not in busy else hand
 
 
+def _free_hand(actor: Actor) -> str:
+    """A hand that holds nothing, the right one first; the right one where both do."""
+    return next((side for side in ("right", "left") if side not in actor.holds.values()), "right")
+
+
 def _side(hand: str) -> Any:
     return hand if hand in ("right", "left") else ""
 
 
 def _hold(hold: str) -> Any:
-    return hold if hold in ("take", "keep", "release") else ""
+    return {GIVE: "keep", RECEIVE: "take"}.get(hold, hold if hold in ("take", "keep", "release") else "")

@@ -10,6 +10,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.main.blending import Contribution
 from ahmss.main.database import Order
+from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.surroundings import NOTHING, known
 from ahmss.world.link import Pending
 
@@ -33,19 +34,21 @@ class Mover:
         claim: the request under way.
         knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
         over: its algorithm was stopped, it rests where it is. fresh: its pose differs from what the world was told.
+        given: it comes from another hand, or has come back from it.
     """
 
-    def __init__(self, order: Order, number: int, pose: Array, claim: Pending) -> None:
+    def __init__(self, order: Order, number: int, pose: Array, claim: Pending | None) -> None:
         self.order = order
         self.name, self.id = order.object, number
         self.pose = pose.copy()
-        self.claim: Pending | None = claim
+        self.claim = claim
         self.granted = False
         self.process: AlgorithmProcess | None = None
         self.knows, self.missed = known(()), NOTHING
         self.k = 0
         self.over = False
         self.fresh = False
+        self.given = False
         self._start = pose[:3].copy()
         self._hand = _SIDES.index(order.hand) if order.hand in _SIDES else -1
         self._grips: Array | None = None
@@ -53,11 +56,18 @@ class Mover:
     @property
     def takes(self) -> bool:
         """Whether its algorithm goes on after the motion, until it is released."""
-        return self.order.affordance.hold == "take"
+        return self.order.affordance.hold in ("take", RECEIVE)
+
+    @property
+    def awaits(self) -> bool:
+        """Whether it is still in the hand of who gives it."""
+        return self.order.affordance.hold == RECEIVE and not self.granted and self.claim is None
 
     @property
     def caught(self) -> bool:
-        """Whether it has left its place in the hand."""
+        """Whether it is in the hand: it has left its place, or came from another hand."""
+        if self.given:
+            return self.granted
         return self.takes and bool(np.abs(self.pose[:3] - self._start).max() > _MOVED)
 
     def put(self, pose: Array, grips: Array) -> None:
@@ -94,6 +104,7 @@ class Motion:
         number: tells motions apart in the blend. countdown: frames until it starts, once what it `follows` is over.
         process: its human algorithm. given: what it gives to the blend, once its first frame has come.
         knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
+        passes: the answer awaited while what is in the hand changes hands, or how many frames one has waited for it.
         company: the humans that it is about.
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
@@ -107,6 +118,7 @@ class Motion:
         self.mover: Mover | None = None
         self.knows, self.missed = known(()), NOTHING
         self.company: tuple[str, ...] = ()
+        self.passes: Pending | int | None = None
         self.k = 0
         self.carried = False
         self.over = False
@@ -135,7 +147,7 @@ class Motion:
 
     def keeps(self, name: str) -> bool:
         """Whether it is made with that object in the hand."""
-        return self.order.object == name and self.order.affordance.hold == "keep"
+        return self.order.object == name and self.order.affordance.hold in ("keep", GIVE)
 
     def take(self, row: Array) -> None:
         """Its next frame has come."""

@@ -1,0 +1,123 @@
+"""Coming to stand before another human, and going on from there as from the beginning of a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import msgspec
+import numpy as np
+
+from ahmss.algorithm.company import aside_of
+from ahmss.algorithm.messages import ObjectRecord, PoseRecord
+from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.reaching import HEAD
+from ahmss.algorithm.stepping import ground_of, rows_of, walk_library
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT
+from ahmss.body.links import INDEX, LINKS
+from ahmss.body.quaternion import align, slerp
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.edit import floor_frame
+from ahmss.motion.planting import feet
+from ahmss.walking.trip import Trip, Walker
+
+__all__ = ["FACING", "again", "come_to", "go_to", "walkers"]
+
+FACING = np.radians(25.0)
+"""How far aside somebody may be whom one still faces."""
+
+_MISSED = 3  # frames for which who moves may not have been seen
+_TRIES = 3  # who comes to somebody who walks meanwhile comes after them
+_ARM = ("upper_arm", "lower_arm", "hand")
+
+
+def come_to(
+    task: HumanTask, whom: WorldObject, apart: tuple[float, float, float], aside: float = 0.0
+) -> Iterator[Array]:
+    """The frames in which one comes to stand before somebody and faces them; none where one does already.
+
+    A hand that holds something stays as it is against the trunk.
+
+    Args:
+        task: with a walk library as the action's motion.
+        whom: to whom.
+        apart: metres between the two: the least that will do, what is aimed at, the most that will do.
+        aside: radians by which one faces past them, to the left: who stands side by side looks the same way.
+
+    Raises:
+        AlgorithmError: there is no way, or one does not stand.
+    """
+    least, aimed, most = apart
+    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
+    held = held if task.busy else []
+    for _ in range(_TRIES):
+        here, _ = floor_frame(task.present.rotations, task.present.root)
+        way = (whom.place - here)[:2]
+        distance = float(np.hypot(*way))
+        near = least <= distance <= most
+        if near and abs(aside_of(task, whom.place) + aside) <= FACING:
+            return
+        place = here[:2] if near else whom.place[:2] - aimed * way / max(distance, 1e-6)
+        facing = float(np.arctan2(*(whom.place[:2] - place)[::-1])) + aside
+        trip = Trip(
+            task.human, walk_library(task), ground_of(task), place, facing, others=partial(walkers, task),
+            note=task.note,
+        )  # fmt: skip
+        for piece in trip.pieces(task.present.rotations.copy(), task.present.root.copy()):
+            rows = rows_of(task, piece)
+            rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
+            yield rows
+
+
+def go_to(task: HumanTask, rotations: Array, root: Array, seconds: float) -> Iterator[Array]:
+    """The frames (n, 260) from the present pose to another one, (43, 4) and (3,), on the feet as they stand."""
+    n = max(round(seconds * task.rate), 1)
+    done = minimum_jerk(np.arange(1, n + 1) / n)[:, None]
+    targets = np.zeros((n, 5, 8))
+    targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7] = feet(task.human, task.present.rotations, task.present.root)
+    targets[:, RIGHT_FOOT : LEFT_FOOT + 1, 7] = 1.0
+    importance = np.ones(44)
+    importance[INDEX["head"]] = HEAD
+    way = slerp(task.present.rotations, align(rotations, task.present.rotations), done)
+    yield task.block(way, task.present.root + done * (root - task.present.root), importance, targets)
+
+
+def walkers(task: HumanTask) -> Sequence[Walker]:
+    """Who else is on the floor now, and how fast they go."""
+    found: list[Walker] = []
+    for human in task.world.values():
+        if human.kind != "human":
+            continue
+        k, place = float(task.present.k), human.place[:2].copy()
+        seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
+        track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
+        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
+    return found
+
+
+def again(task: HumanTask, **fields: object) -> HumanTask:
+    """The same task as if it began now: the human and all that is known of are where they are at present.
+
+    fields: what START shall say otherwise.
+    """
+    start = task.message
+    pose = PoseRecord.of(task.present.rotations, task.present.root)
+    goal = start.goal
+    if goal.object is not None and task.goal_object is not None:
+        goal = msgspec.structs.replace(goal, object=_now(goal.object, task.goal_object))
+    thing = start.object
+    if thing is not None and task.object is not None:
+        thing = _now(thing, task.object)
+    world = [_now(record, task.world[record.id]) for record in start.world if record.id in task.world]
+    now = {"pose": pose, "object": thing, "goal": goal, "world": world}
+    made = HumanTask(msgspec.structs.replace(start, **(now | fields)))
+    made.notes = task.notes
+    return made
+
+
+def _now(record: ObjectRecord, thing: WorldObject) -> ObjectRecord:
+    x, y, z = thing.place.tolist()
+    w, i, j, k = thing.rotation.tolist()
+    return msgspec.structs.replace(record, place=(x, y, z), rotation=(w, i, j, k))

@@ -1,0 +1,145 @@
+"""Giving: one comes to stand before somebody, holds the thing out between both, and lets go when their hand holds it.
+
+That it does is seen, as people see it: the palm is at the thing, the fingers have closed since it came, and both are
+still. Two people who hand something over stand a little more than a metre apart, and meet about half-way, the thing at
+the height of the belly (Basili et al. 2009: 1.16 m, from memory; the height judged).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Generator, Iterator
+
+import numpy as np
+
+from ahmss.algorithm import HumanPose, HumanTask, Transform, run
+from ahmss.algorithm.company import Watching, settled
+from ahmss.algorithm.meeting import again, come_to, go_to
+from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
+from ahmss.body.array import Array
+from ahmss.body.inverse import GAZE
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.edit import floor_frame
+from ahmss.motion.fingers import opened
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.plan import Reaching
+
+APART = (0.85, 1.05, 1.2)  # metres
+SHARE = 0.47  # of the way to the other at which the thing is held out
+HEIGHT = 0.63  # of the stature, the mean of both
+EYES = 0.936  # of the stature
+TURNS = np.radians(np.arange(-180.0, 180.0, 15.0))  # of the thing about the vertical
+NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have gone since it came
+STILL, FRAMES = 0.002, 9  # metres in so many frames
+OPENS, BACK, AWAY, HOME = 0.4, 0.08, 0.35, 0.9  # seconds, metres, seconds, seconds
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def hand_over(task: HumanTask) -> Iterator[Array | HumanPose]:
+    """Frames (n, 260) until the hand is back at the side."""
+    whom, side = task.goal_object, task.hand or "right"
+    if whom is None or task.object is None:
+        raise AlgorithmError("hand over what, and to whom?")
+    yield from come_to(task, whom, APART)
+    begun = again(task)
+    watching = Watching.of(begun)
+    assert watching is not None
+    reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
+    gaze = Looking(begun, watching.eyes)
+    goal = _held_out(begun, whom, side)
+    plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
+    made = yield from performed(begun, reaching, plan, gaze, ([], np.zeros((0, 4))))
+    yield begun.block(made.rotations, made.root, made.importance, made.targets)
+    last = begun.block(made.rotations, made.root, made.importance, made.targets)[-1:]
+    taken = yield from _until_taken(task, whom, last)
+    if not taken:
+        yield from _back(task, side, last, begun, opens=False)
+        seconds = task.parameter("patience", 10.0)
+        raise AlgorithmError(f"{whom.name} did not take {task.object.name} within {seconds:g} s; it stays in the hand")
+    pose = HumanPose.of(last[0])
+    yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": taken})
+    yield from _back(task, side, last, begun, opens=True)
+
+
+def _held_out(task: HumanTask, whom: WorldObject, side: str) -> Goal:
+    """The thing upright between both, turned about the vertical as the wrist likes it."""
+    assert task.object is not None
+    here, _ = floor_frame(task.start.rotations, task.start.root)
+    statures = (task.human.stature, float(whom.site("eyes", here).place[2]) / EYES)
+    middle = here + SHARE * (whom.place - here)
+    middle[2] = HEIGHT * 0.5 * sum(statures)
+    grip = task.start.grip(side)
+    in_palm = grip.inverse().then(task.object.frame)
+    upright = Transform(middle, multiply(from_axis_angle(UP, TURNS), _level(task.object.rotation)))
+    palms = upright.then(in_palm.inverse())
+    return Goal(middle, palms={side: palms.row()})
+
+
+def _level(rotation: Array) -> Array:
+    """A thing's rotation (4,) without its tilt."""
+    level = rotation * np.array([1.0, 0.0, 0.0, 1.0])
+    length = float(np.linalg.norm(level))
+    return level / length if length > 1e-6 else np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def _until_taken(task: HumanTask, whom: WorldObject, row: Array) -> Generator[Array, None, str]:
+    """One stands still, looks from the thing to the other's face, and sees which hand has closed; "": none has."""
+    watching = Watching(task, whom)
+    seen: dict[str, deque[Array]] = {hand: deque(maxlen=FRAMES) for hand in ("right", "left")}
+    first: dict[str, Array] = {}
+    for _ in range(round(task.parameter("patience", 10.0) * task.rate)):
+        still = row.copy()
+        still[0, 220:].reshape(5, 8)[GAZE] = watching.gaze()
+        yield still
+        for hand, track in seen.items():
+            if _has_closed(task, whom, hand, track, first):
+                return hand
+    return ""
+
+
+def _has_closed(task: HumanTask, whom: WorldObject, hand: str, track: deque[Array], first: dict[str, Array]) -> bool:
+    assert task.object is not None
+    palm = whom.site(f"{hand}_hand", task.start.root)
+    tip = palm.inverse().apply(whom.site(f"{hand}_fingers", task.start.root).place)
+    at = task.object.frame.apply(np.array(task.object.sites[task.message.site].position)) if task.message.site else None
+    at = task.object.place if at is None else at
+    if float(np.linalg.norm(palm.place - at)) > NEAR:
+        track.clear()
+        first.pop(hand, None)
+        return False
+    first.setdefault(hand, tip)
+    track.append(np.concatenate([palm.place, tip]))
+    return settled(track, FRAMES, STILL) and float(np.linalg.norm(tip - first[hand])) > CLOSED
+
+
+def _back(task: HumanTask, side: str, row: Array, begun: HumanTask, *, opens: bool) -> Iterator[Array]:
+    """The hand opens and is drawn back, and the arm goes down; or, with the thing in it, back to where it was."""
+    pose = HumanPose.of(row[0])
+    grip = task.present.grip(side)
+    hand = list(fingers(side))
+    if opens:
+        n = round((OPENS + AWAY) * task.rate)
+        time = np.arange(1, n + 1) / task.rate
+        rotations = np.repeat(pose.rotations[None], n, axis=0)
+        present = pose.rotations[hand]
+        rotations[:, hand] = slerp(present, opened(side, present[:2]), minimum_jerk(time / OPENS)[:, None])
+        targets = np.repeat(pose.targets[None], n, axis=0)
+        away = minimum_jerk((time - 0.6 * OPENS) / (n / task.rate - 0.6 * OPENS))
+        out = rotate(grip.rotation, np.array([-1.0, 0.0, 0.0]))
+        targets[:, 0 if side == "right" else 1, :3] += away[:, None] * BACK * out
+        importance = pose.importance.copy()
+        importance[hand] = 1.0
+        yield task.block(rotations, np.repeat(pose.root[None], n, axis=0), importance, targets)
+    rotations = begun.start.rotations.copy()
+    if opens:
+        arm = [*range(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1), *hand]
+        rotations[arm] = task.human.relaxed()[0][arm]
+    yield from go_to(task, rotations, begun.start.root, HOME)
+
+
+if __name__ == "__main__":
+    run(hand_over)

@@ -1,0 +1,159 @@
+"""Taking what somebody gives: one turns to them, waits until it is held out, closes a hand on it, and draws it near.
+
+It is held out when it is about half-way between both and still. The hand comes from the side that is free of the
+other's. When it has closed, both stand still until the thing has changed hands.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+
+import numpy as np
+
+from ahmss.algorithm import HumanPose, HumanTask, Transform, run
+from ahmss.algorithm.company import Watching, aside_of, settled
+from ahmss.algorithm.grasping import closing, read_shape
+from ahmss.algorithm.meeting import FACING, again, come_to
+from ahmss.algorithm.messages import Goal as MessageGoal
+from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of
+from ahmss.body.array import Array
+from ahmss.body.inverse import GAZE
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import from_axis_angle, rotate, slerp
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.edit import floor_frame
+from ahmss.motion.fingers import opened
+from ahmss.reaching.goal import Goal, palms_of
+from ahmss.reaching.plan import Reaching
+from ahmss.reaching.reacher import Reacher, seat
+
+NEAR = 1.45  # metres to who gives, from where on it may be held out
+SHARES = (0.35, 0.68)  # of the way to them, between which it is held out
+STILL, FRAMES = 0.004, 10  # metres in so many frames
+TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
+OPPOSITE = np.radians(75.0)  # how far from straight opposite the giver's palm the own one may come
+THUMB = np.radians(92.0)  # from along the hand, before it opens further
+CLOSES, OPENS, DRAWS = 0.45, 0.3, 0.9  # seconds, the second for the giver's fingers
+CARRIED = np.array([0.30, 0.20, 0.60])  # ahead, to the hand's side, height: shares of 1 m, 1 m and the stature
+X = np.array([1.0, 0.0, 0.0])
+
+
+def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
+    """Frames (n, 260) until the thing is before one's own body."""
+    whom, side = task.goal_object, task.hand or "right"
+    if whom is None or task.object is None:
+        raise AlgorithmError("receive what, and from whom?")
+    read_shape(task)
+    yield from _until_held_out(task, whom)
+    begun = again(task)
+    goal = _goal(begun, whom, side)
+    gaze = Looking(begun, goal.place)
+    reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
+    plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
+    made = yield from performed(begun, reaching, plan, gaze, _opened(side))
+    yield begun.block(made.rotations, made.root, made.importance, made.targets)
+    last = begun.block(made.rotations, made.root, made.importance, made.targets)[-1]
+    closed = _closed(again(task, hand=side, frames=round(CLOSES * task.rate)), side, last)
+    yield closed
+    pose = HumanPose.of(closed[-1])
+    yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
+    wait = round(OPENS * task.rate)
+    yield np.repeat(closed[-1:], wait, axis=0)
+    yield _drawn(task, side, pose, begun)
+
+
+def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | HumanPose]:
+    """One looks at them, turns to them when they are near, and sees whether the thing is between both and still."""
+    assert task.object is not None
+    watching, track, stands = Watching(task, whom), deque[Array](maxlen=FRAMES), deque[Array](maxlen=FRAMES)
+    importance = np.zeros(44)
+    importance[INDEX["head"]] = 1.0
+    for k in range(1, round(task.parameter("patience", 30.0) * task.rate) + 1):
+        targets = np.zeros((5, 8))
+        targets[GAZE] = watching.gaze(0.0, 0.0, k)
+        yield task.pose({}, None, importance, targets)
+        here, _ = floor_frame(task.present.rotations, task.present.root)
+        way = (whom.place - here)[:2]
+        distance = float(np.hypot(*way))
+        track.append(task.object.place.copy())
+        stands.append(whom.place.copy())
+        if distance > NEAR or not settled(stands, FRAMES, 5.0 * STILL):
+            continue
+        if abs(aside_of(task, whom.place)) > FACING:
+            yield from come_to(task, whom, (0.0, distance, NEAR))
+        share = float((task.object.place - here)[:2] @ way) / distance**2
+        if SHARES[0] < share < SHARES[1] and settled(track, FRAMES, STILL):
+            return
+    seconds = task.parameter("patience", 30.0)
+    raise AlgorithmError(f"{whom.name} has not held out {task.object.name} within {seconds:g} s")
+
+
+def _goal(task: HumanTask, whom: WorldObject, side: str) -> Goal:
+    """Where the palm goes: as to a thing that stands; where there is a choice, opposite the palm of who holds it."""
+    assert task.object is not None
+    goal = goal_of(again(task, goal=MessageGoal()))  # the thing, not who holds it
+    reacher = Reacher.of(task.human, side)
+    palms = palms_of(goal, reacher, reacher.shoulder(seat(task.human, task.start.rotations, task.start.root)))
+    if goal.around is None:
+        return Goal(goal.place, palms={side: palms})
+    theirs = min(
+        (whom.site(f"{hand}_hand", task.start.root) for hand in ("right", "left")),
+        key=lambda palm: float(np.linalg.norm(palm.place - goal.place)),
+    )
+    apart = rotate(palms[:, 3:], X)[:, :2] @ rotate(theirs.rotation, X)[:2]
+    chosen = palms[apart < -np.cos(OPPOSITE)]
+    return Goal(goal.place, palms={side: chosen if len(chosen) else palms[apart <= apart.min() + 0.3]})
+
+
+def _opened(side: str) -> tuple[list[int], Array]:
+    """The fingers as for something that comes between them and the thumb."""
+    sign = 1.0 if side == "left" else -1.0
+    thumb = from_axis_angle(np.array([[0.0, 0.0, sign], [0.0, 0.0, sign]]), np.array([THUMB, 0.0]))
+    return list(fingers(side)), opened(side, thumb)
+
+
+def _closed(task: HumanTask, side: str, last: Array) -> Array:
+    """POSE rows (n, 260) in which the hand closes, the body as in the last row (260,) of the reach."""
+    end, n, hand = closing(task, side, TOO_FAR), task.length, list(fingers(side))
+    rows = np.repeat(last[None], n, axis=0)
+    time = np.arange(1, n + 1) / n
+    rotations, targets = rows[:, 4:176].reshape(n, 43, 4), rows[:, 220:].reshape(n, 5, 8)
+    present = task.start.rotations[hand]
+    if end.wide is None:
+        rotations[:, hand] = slerp(present, end.shape, minimum_jerk(time)[:, None])
+    else:
+        wide = slerp(present, end.wide, minimum_jerk(time / 0.5)[:, None])
+        late = minimum_jerk((time - 0.5) / 0.5)[:, None]
+        rotations[:, hand] = np.where(late[..., None] > 0.0, slerp(end.wide, end.shape, late), wide)
+    row, grip, done = targets[:, 0 if side == "right" else 1], task.start.grip(side), minimum_jerk(time / 0.75)
+    row[:, :3] = grip.place + done[:, None] * (end.palm.place - grip.place)
+    row[:, 3:7] = slerp(grip.rotation, end.palm.rotation, done)
+    row[:, 7] = 1.0
+    rows[:, [176 + link for link in hand]] = 1.0
+    return rows
+
+
+def _drawn(task: HumanTask, side: str, pose: HumanPose, begun: HumanTask) -> Array:
+    """POSE rows (n, 260): the trunk straightens, and the hand brings the thing before the own body, turned as it is."""
+    n = round(DRAWS * task.rate)
+    done = minimum_jerk(np.arange(1, n + 1) / n)[:, None]
+    here = Transform(*floor_frame(begun.start.rotations, begun.start.root))
+    at = CARRIED * np.array([1.0, 1.0 if side == "left" else -1.0, task.human.stature])
+    rotations = np.repeat(pose.rotations[None], n, axis=0)
+    body = [i for i in range(len(rotations[0])) if i not in fingers(side)]
+    rotations[:, body] = slerp(pose.rotations[body], begun.start.rotations[body], done)
+    root = pose.root + done * (begun.start.root - pose.root)
+    targets = np.repeat(pose.targets[None], n, axis=0)
+    row = 0 if side == "right" else 1
+    grip = task.present.grip(side)
+    targets[:, row, :3] = grip.place + done * (here.apply(at) - grip.place)
+    targets[:, row, 3:7], targets[:, row, 7] = grip.rotation, 1.0
+    targets[:, GAZE, 7] *= 1.0 - done[:, 0]
+    return task.block(rotations, root, pose.importance, targets)
+
+
+if __name__ == "__main__":
+    run(receive)
