@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import multiply, rotate
+from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.contact import runs
 from ahmss.motion.easing import minimum_jerk
@@ -26,7 +27,7 @@ from ahmss.walking.fence import Fence
 from ahmss.walking.leeway import Leeway, bump
 from ahmss.walking.shaping import Shaped, Shaping
 
-__all__ = ["UNMOVED", "clearing"]
+__all__ = ["UNMOVED", "clearing", "held_arms"]
 
 UNMOVED = 16  # frames from the beginning in which the body is not moved: in these the rest is thought of
 _NEAR, _WITHIN = 0.7, 0.2  # metres from the hips, and from a leg, beyond which nothing is in its way
@@ -42,16 +43,17 @@ _UPPER, _LOWER = ([INDEX[f"{side}_{part}_leg"] for side in ("right", "left")] fo
 _SPINE = INDEX["spine"]
 _SHOULDERS, _ELBOWS = ([INDEX[f"{side}_{part}_arm"] for side in ("right", "left")] for part in ("upper", "lower"))
 _MIRROR = np.array([1.0, -1.0, 1.0])
-# Hip joint, thigh, knee, shank, ankle, heel, toes; elbow. How thick it is there, metres, in the stouter of the
-# bodies that ship, and a little more; by how much they go with the foot, the rest with the hips.
-_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051, 0.065])
-_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0, 0.0])
-_OF_FOOT = slice(4, 7)
+# Hip joint, thigh, knee, shank, ankle, heel, toes; elbow, forearm, wrist, fingers: how thick it is there, metres, in
+# the stouter of the bodies that ship, and a little more; by how much it goes with the foot, the rest with the hips.
+_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051, 0.065, 0.055, 0.05, 0.05])
+_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+_OF_FOOT, _OF_ARM = slice(4, 7), 4
 
 
 def clearing(
-    skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array], tops: Sequence[float] = ()
-) -> Iterator[Leeway | None]:
+    skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array], tops: Sequence[float] = (),
+    held: Array | None = None,
+) -> Iterator[Leeway | None]:  # fmt: skip
     """By how much a walk is to be moved so that legs keep out of things: the last that comes, None before it is found.
 
     It may be moved a little more the next time. Nothing but None comes where legs keep out of things anyway.
@@ -60,6 +62,7 @@ def clearing(
         skeleton: of who walks.
         shaping: the walk as it would be.
         outlines: (n, 2) of things, world. tops: how high they are, metres; left out: high.
+        held: arms that are kept as they are, as `held_arms` gives them.
     """
     frames, near = _close(shaping.level, outlines)
     fence = Fence([outlines[i] for i in near], _WITHIN, [tops[i] for i in near] if len(tops) else ())
@@ -68,7 +71,7 @@ def clearing(
     for end in range(_AT_ONCE, int(frames[-1]) + 1, _AT_ONCE):
         shaping.part(0, end)
         yield None
-    limbs = _Limbs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, fence)
+    limbs = _Limbs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, fence, held)
     yield None
     swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in (0, 1)]
     made = Leeway(np.zeros((shaping.frames, 2)), (np.zeros((swings[0].count, 2)), np.zeros((swings[1].count, 2))))
@@ -86,6 +89,22 @@ def clearing(
         made.body[:] = fade * _moved(made.body, frames, push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst])
         if number % _IN_PART == _IN_PART - 1:
             yield made
+
+
+def held_arms(skeleton: Skeleton, rotations: Array, root: Array, sides: Sequence[str]) -> Array:
+    """Elbow, forearm, wrist and fingers of arms that stay as they are in a pose (43, 4), (3,), against its hips.
+
+    Returns:
+        (2, 4, 3) right and left; nan for an arm that is not among the sides.
+    """
+    places, turned = forward(rotations, root, skeleton.offsets)
+    out = np.full((2, _OF_ARM, 3), np.nan)
+    for i, side in enumerate(("right", "left")):
+        if side in sides:
+            elbow, wrist, finger = (INDEX[f"{side}_{name}"] for name in ("lower_arm", "hand", "middle_intermediate"))
+            points = [places[elbow], 0.5 * (places[elbow] + places[wrist]), places[wrist], places[finger]]
+            out[i] = rotate(conjugate(turned[0]), np.array(points) - root)
+    return out
 
 
 def _close(level: Array, outlines: Sequence[Array]) -> tuple[NDArray[np.intp], list[int]]:
@@ -113,7 +132,9 @@ class _Limbs:
         self._away, self._out = fence.away(self._seen, self._lows)
 
     @classmethod
-    def of(cls, skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp], fence: Fence) -> _Limbs:
+    def of(
+        cls, skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp], fence: Fence, held: Array | None
+    ) -> _Limbs:
         """Of a walk."""
         hips, root = shaped.rotations[frames, :1], shaped.root[frames]
         joints = root[:, None] + rotate(hips, skeleton.offsets[_UPPER])
@@ -124,9 +145,13 @@ class _Limbs:
         heels, toes = soles[:, 0] * (0.5, 1.0, 0.5), soles[:, 2] * (0.82, 1.0, 0.5)
         points = np.stack([
             joints, joints + 0.65 * (knees - joints), knees, 0.5 * (knees + ankles), ankles,
-            ankles + rotate(feet, heels), ankles + rotate(feet, toes), _elbows(skeleton, shaped, frames),
+            ankles + rotate(feet, heels), ankles + rotate(feet, toes),
         ], axis=2)  # fmt: skip
-        return cls(frames, points, fence)
+        arms = np.repeat(_elbows(skeleton, shaped, frames)[:, :, None], _OF_ARM, axis=2)
+        if held is not None:
+            stay = root[:, None, None] + rotate(hips[:, :, None], held)
+            arms = np.where(np.isnan(held), arms, stay)
+        return cls(frames, np.concatenate([points, arms], axis=2), fence)
 
     def push(self, body: Array, feet: Sequence[Array]) -> Array:
         """By how much the points are to be moved (f, 2, P, 2) out of things when body and feet are moved (F, 2)."""

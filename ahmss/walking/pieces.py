@@ -15,7 +15,16 @@ from ahmss.walking.journey import Footing, Journey
 from ahmss.walking.leeway import Leeway
 from ahmss.walking.shaping import Shaping
 
-__all__ = ["Piece", "cleared", "footing_at", "piece", "standing_piece"]
+__all__ = ["Ground", "Piece", "cleared", "footing_at", "piece", "standing_piece"]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What stands on the floor: outlines (n, 2) in the world, whose they are, and up to what height, metres."""
+
+    outlines: Sequence[Array] = ()
+    names: Sequence[str] = ()
+    tops: Sequence[float] = ()
 
 
 @dataclass(frozen=True)
@@ -48,7 +57,7 @@ def footing_at(going: Journey, end: int) -> Footing:
 
 
 def cleared(
-    skeleton: Skeleton, going: Journey, outlines: Sequence[Array], tops: Sequence[float]
+    skeleton: Skeleton, going: Journey, ground: Ground, held: Array | None
 ) -> Generator[Piece, None, tuple[Journey, int]]:
     """A walk from standing with its legs kept out of things, and how many of its frames were made meanwhile.
 
@@ -58,7 +67,7 @@ def cleared(
     leeway: Leeway | None = None
     latest = min(UNMOVED, last_moment(going))
     assert isinstance(shaping, Shaping)  # from standing nothing is handed over
-    for found in clearing(skeleton, shaping, outlines, tops):
+    for found in clearing(skeleton, shaping, ground.outlines, ground.tops, held):
         leeway = found
         if made < latest:
             yield piece(going, made, made + 1)

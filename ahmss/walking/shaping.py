@@ -75,6 +75,7 @@ class Shaping:
         turn = _turning(nominal, line, np.arange(0.0, frames))
         seen = Seen(skeleton, nominal)
         self._treads = [Tread(skeleton, nominal, seen, line, ends, foot, turn, leeway) for foot in (0, 1)]
+        self._treads[0].other, self._treads[1].other = self._treads[1], self._treads[0]
         s, ratio = line.along(nominal.root[:, 0])
         place, heading = line.course.at(s)
         across = np.stack([-np.sin(heading), np.cos(heading)], axis=-1)

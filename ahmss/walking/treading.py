@@ -20,6 +20,7 @@ from ahmss.walking.leeway import Leeway
 from ahmss.walking.legs import foot_frames
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
+from ahmss.walking.passing import around
 from ahmss.walking.soles import FLAT, clearance, middle, rolled, sole_angles, turned
 
 __all__ = ["Ends", "Footprints", "Seen", "Tread"]
@@ -30,7 +31,8 @@ _LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
 _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is lifted instead
 _LEVEL = np.radians(0.5)
 _BESIDE = 0.06  # metres between the middle lines of two feet
-_LATER, _MOST_LATER = 0.55, np.radians(50.0)  # of the turn of a start, what its second footstep makes
+_LATER, _MOST_LATER = 0.35, np.radians(50.0)  # of the turn of a start, what its second footstep makes
+_TURNS_OUT = 0.6  # of the swing that follows, in which the foot is turned as its way is
 
 
 class Seen:
@@ -84,6 +86,7 @@ class Tread:
         self._stances = _Stances(first, end, np.zeros((n, 2)), np.zeros(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
         self._yaw = np.empty(frames)  # as in the clips, but constant while the foot bears and does not pivot
         self._fixed = 0  # frames whose yaw is there
+        self.other = self  # the other foot, whose leg this one goes round
         self.known = self.count = 0
         self.ankles, self.feet = np.empty((frames, 3)), np.empty((frames, 4))
 
@@ -183,6 +186,11 @@ class Tread:
             place = place + 0.01 * ahead
         return place
 
+    def stands(self, frame: int) -> tuple[Array, float]:
+        """Where the foot stands, or stood before, at a frame: the flat foot's ankle (2,) and heading."""
+        self.know(int(np.searchsorted(self._stances.first, frame, side="right")))
+        return self.footprints.at(frame)
+
     def _sizes(self) -> Array:
         """How much each swing is of that in the clip, between footprints known (known + 1,), 1 outside of them."""
         known, stances = slice(self.known), self._stances
@@ -212,7 +220,8 @@ class Tread:
         carried = turn - stances.more
         fixed = yaw - loose
         yaw = np.where(bears, yaw, loose + (1.0 - share) * fixed[lift] + share * fixed[land])
-        heading = yaw + (1.0 - share) * turn[before] + share * turn[after]
+        early = np.where(stances.more[before] != 0.0, minimum_jerk(np.minimum(u / _TURNS_OUT, 1.0)), share)
+        heading = yaw + (1.0 - early) * turn[before] + early * turn[after]
         feet = turned(heading, tilted)
 
         height = -soles[0, 2]
@@ -236,6 +245,11 @@ class Tread:
             if self._aside is not None:
                 spread[:, :2] -= weight[:, None] * self._aside[frames[at]]
         out += spread
+        for b in np.unique(before[swings]).tolist():
+            swing = swings & (before == b)
+            stands = self.other.stands(origin + int(lift[swing][0]))
+            way, sign = stances.to[b + 1] - stances.to[b], 1.0 if self._foot else -1.0
+            out[swing, :2] += around(out[swing, :2], u[swing], stands, way, sign, turned_in=bool(stances.more[b]))
         if self._aside is not None:
             out[:, :2] += self._aside[frames]
         out[bears] = standing[bears]

@@ -13,6 +13,7 @@ from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.walking.catalogue import STRAIGHT, Key, Stride
+from ahmss.walking.clearing import held_arms
 from ahmss.walking.course import Course, NoWay, plan
 from ahmss.walking.hesitating import back, last_moment
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, footing, journey, onward, stride_at
@@ -21,7 +22,7 @@ from ahmss.walking.library import RATE, Library
 from ahmss.walking.makingway import LOOKED, Option, Walker, cut, goes_first, held_up, meets, options
 from ahmss.walking.nominal import clip_of, length_of
 from ahmss.walking.pacing import Paced
-from ahmss.walking.pieces import Piece, cleared, footing_at, piece, standing_piece
+from ahmss.walking.pieces import Ground, Piece, cleared, footing_at, piece, standing_piece
 from ahmss.walking.wayout import natural, touches
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
@@ -41,15 +42,6 @@ _TIRED = 6.0  # seconds after which one waits no more for who does hardly move
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
 
 
-@dataclass(frozen=True)
-class Ground:
-    """What stands on the floor: outlines (n, 2) in the world, whose they are, and up to what height, metres."""
-
-    outlines: Sequence[Array] = ()
-    names: Sequence[str] = ()
-    tops: Sequence[float] = ()
-
-
 @dataclass
 class Trip:
     """From where a human stands to a goal.
@@ -62,6 +54,7 @@ class Trip:
         frames: how many to take; 0: as a person would.
         others: tells who else is on the floor now.
         note: is told, in one sentence, what a person should know.
+        held: the sides whose arms stay as they are, for what is in their hands.
     """
 
     skeleton: Skeleton
@@ -72,10 +65,12 @@ class Trip:
     frames: int = 0
     others: Callable[[], Sequence[Walker]] = lambda: ()
     note: Callable[[str], None] = lambda _: None
+    held: Sequence[str] = ()
     standing: Standing = field(init=False)
 
     def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
         self.standing = Standing.of(self.skeleton, self.library)
+        self._arms: Array | None = None
         self._made = self._waited = 0  # frames: of the trip so far, and of these for how many one has waited
         self._rate, self._rates = 1.0, (1.0, 1.0)  # frames of the clips that pass in one; the least and the most
         self._things = np.array([shapely.Polygon(ring) for ring in self.ground.outlines if len(ring) > 2], dtype=object)
@@ -86,6 +81,7 @@ class Trip:
         Raises:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
+        self._arms = held_arms(self.skeleton, rotations, root, self.held) if self.held else None
         for made in self._pieces(footing(self.skeleton, rotations, root, self.standing)):
             self._made += len(made.root)
             yield made
@@ -98,7 +94,7 @@ class Trip:
             going = yield from self._wait(piece(going, -1, 0), now, looks=_LOOKS)
         over = False
         while not over:
-            going, begun = yield from cleared(self.skeleton, going, self.ground.outlines, self.ground.tops)
+            going, begun = yield from cleared(self.skeleton, going, self.ground, self._arms)
             made = yield from self._set_in_motion(going, begun)
             if made:
                 self._waited, self._rate = 0, float(going.rates[0])

@@ -317,5 +317,13 @@ def crossed(walk: Walk) -> int:
     return int((low & sides(0) & sides(1)).sum())
 
 
+def shanks_apart(walk: Walk) -> float:
+    """How near the lines from knee to ankle of both legs come to each other, metres."""
+    t = np.linspace(0.0, 1.0, 21)[None, :, None]
+    knees, feet = walk.places[:, KNEES, None], walk.places[:, FEET, None]
+    a, b = ((1.0 - t) * knees[:, leg] + t * feet[:, leg] for leg in (0, 1))
+    return float(np.linalg.norm(a[:, :, None] - b[:, None], axis=-1).min())
+
+
 def _cross(a: Array, b: Array) -> Array:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.motion.contact import foot_points
@@ -21,6 +22,7 @@ from . import measures as m
 
 TABLE = np.array([[0.27, -0.6], [1.27, -0.6], [1.27, 0.6], [0.27, 0.6]])  # its edge is before who stands at the origin
 FAR = TABLE + np.array([0.0, 4.0])
+_LEFT_ARM = [INDEX[f"left_{link}"] for link in ("upper_arm", "lower_arm", "hand")]
 GOALS = [(-0.2, 1.8, 90.0), (1.9, 0.2, 0.0), (-1.5, -0.3, 180.0), (-0.3, -2.0, -60.0), (0.0, 0.0, 120.0)]
 
 
@@ -131,3 +133,26 @@ def test_elbows_keep_out_of_what_is_so_high(top: float, least: float) -> None:
     away = np.where(shapely.within(points, polygon), -1.0, 1.0) * shapely.distance(shapely.boundary(polygon), points)
     assert away.min() > least
     assert least > 0.0 or away.min() < 0.03
+
+
+def test_a_hand_that_holds_something_is_kept_out_of_a_table_as_high_as_it_is() -> None:
+    body, table = m.subject("ken"), TABLE + np.array([0.18, 0.0])
+    rotations, root = body.at((0.0, 0.0), 0.0)
+    targets = np.zeros((5, 8))
+    targets[1, :7], targets[1, 7] = [0.40, 0.15, 0.85, *grips(body.skeleton, rotations, root)[1, 3:]], 1.0
+    rotations = solve(body.skeleton, rotations, root, targets)
+    hand = INDEX["left_hand"]
+
+    def nearest_to_table(held: tuple[str, ...]) -> float:
+        trip = Trip(
+            body.skeleton, m.library(), Ground([table], tops=[0.88]), np.array([-0.3, -1.6]), -np.pi / 2.0, held=held
+        )
+        pieces = list(trip.pieces(rotations, root))
+        whole = np.repeat(rotations[None], sum(len(piece.root) for piece in pieces), axis=0)
+        own = whole[:, _LEFT_ARM].copy()
+        whole[:, :BODY] = np.concatenate([piece.rotations for piece in pieces])
+        whole[:, _LEFT_ARM] = own
+        places, _ = forward(whole, np.concatenate([piece.root for piece in pieces]), body.skeleton.offsets)
+        return float((0.45 - places[20:, hand, 0]).min())
+
+    assert nearest_to_table(("left",)) > nearest_to_table(()) + 0.02

@@ -20,7 +20,7 @@ from ahmss.walking.mirroring import mirror
 from . import measures as m
 from .measures import HUMANS, Goal, Walk
 
-_GRAZED = 4  # frames in which a swinging foot may pass over the toe or heel of the other, both low
+_APART = 0.085  # metres between the middle lines of the shanks: they have 0.103 in a straight walk
 _LONG = 12.0  # metres from which speeds are judged: less is starting, turning and stopping for the most part
 
 
@@ -102,7 +102,12 @@ def bones_keep_their_lengths(walk: Walk, _: Goal) -> str:
 
 def feet_do_not_pass_through_each_other(walk: Walk, _: Goal) -> str:
     frames = m.crossed(walk)
-    return f"in {frames} frames" if frames > _GRAZED else ""
+    return f"in {frames} frames" if frames else ""
+
+
+def legs_do_not_brush_each_other(walk: Walk, _: Goal) -> str:
+    apart = m.shanks_apart(walk)
+    return f"the shanks' middle lines are {1e3 * apart:.0f} mm apart" if apart < _APART else ""
 
 
 def supports_as_still_as_real(walk: Walk, _: Goal) -> str:
@@ -138,8 +143,8 @@ Check = Callable[[Walk, Goal], str]
 CHECKS: tuple[Check, ...] = (
     arrives, arrives_on_its_feet, begins_where_it_stands, feet_stay, a_foot_always_bears, nothing_slides_on_the_floor,
     what_is_near_the_floor_stands, nothing_sinks, knees_bend_forwards, bones_keep_their_lengths,
-    feet_do_not_pass_through_each_other, supports_as_still_as_real, joints_as_smooth_as_real, nothing_pops,
-    hips_go_as_smoothly_as_real, goes_as_fast_as_people,
+    feet_do_not_pass_through_each_other, legs_do_not_brush_each_other, supports_as_still_as_real,
+    joints_as_smooth_as_real, nothing_pops, hips_go_as_smoothly_as_real, goes_as_fast_as_people,
 )  # fmt: skip
 
 
