@@ -104,7 +104,7 @@ def stepped(
         raise AlgorithmError(f"{to} is {away:.1f} m from here; walk to {to} first")
     rotations, root = start.rotations.copy(), start.root.copy()
     held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
-    trip = Trip(task.human, library, ground, goal.place, goal.facing, note=task.note)
+    trip = Trip(task.human, library, ground, goal.place, goal.facing, note=task.note, held=task.busy)
     for piece in trip.pieces(start.rotations, start.root):
         rows = rows_of(task, piece)
         rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
