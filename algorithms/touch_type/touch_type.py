@@ -1,0 +1,129 @@
+"""Touch-typing: both hands come over the home row, and each key is pressed by the finger that has it.
+
+The object's property `keys` says where the keys are and whose; the action's site is the middle of their tops, x to who
+types and z up. Standing or sitting, one bends no further than both arms ask. At the end the hands hover.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.keystrokes import Stroke, keys_of, strokes_of
+from ahmss.algorithm.reaching import Looking, prisms_of, refuse_far
+from ahmss.algorithm.typing_hands import TypingHand
+from ahmss.body.array import Array
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import multiply
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.both import posture_for_both
+from ahmss.reaching.performing import Performed, perform
+from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.reacher import SIDES, Reacher
+
+ABOVE = 0.04  # metres over the keys to which the hands come, and to which they rise at the end
+SINKS, BEGINS, ENDS, RISES = 0.3, 0.25, 0.3, 0.3  # seconds
+FIRST = 4  # frames in which the motion is worked out
+
+
+def touch_type(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): the hands come, sink, type, and rise a little."""
+    if task.site is None or task.object is None:
+        raise AlgorithmError("typing needs a site: the middle of the keys' tops, x to who types and z up")
+    if task.carried:
+        raise AlgorithmError("one types standing or sitting; walk there first, then type")
+    if task.busy:
+        raise AlgorithmError(f"typing takes both hands; the {task.busy[0]} one holds something")
+    keys = keys_of(task.object.properties, task.object.name)
+    strokes = strokes_of(task.parameter("text", ""), keys, task.random, SINKS + BEGINS)
+    if not strokes:
+        raise AlgorithmError('type what? add text="..."')
+    hands = {side: TypingHand.of(task.human, side, keys) for side in SIDES}
+    gaze = Looking(task, task.site.place)
+    yield gaze.alone()
+    plans = yield from _planned(task, hands, gaze)
+    made = yield from _made(task, hands, plans, strokes, gaze)
+    yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _planned(
+    task: HumanTask, hands: Mapping[str, TypingHand], gaze: Looking
+) -> Generator[Array, None, Mapping[str, Plan]]:
+    """The plan of either hand, from one posture.
+
+    Raises:
+        AlgorithmError: the keyboard is out of reach; says by how much.
+    """
+    assert task.site is not None
+    reaching, prisms = Reaching(task.human, task.start.rotations, task.start.root), prisms_of(task)
+    above = Transform(task.site.place + ABOVE * _up(task.site), task.site.rotation)
+    palms: dict[str, Array] = {}
+    for side, hand in hands.items():
+        palms[side] = above.then(Transform.of((yield from gaze.during(hand.palms())))).row()
+    found = yield from gaze.during(posture_for_both(reaching, palms, prisms))
+    plans: dict[str, Plan] = {}
+    for side, one in found.items():
+        refuse_far(task, side, one[2])
+        looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
+        reacher = Reacher.of(task.human, side)
+        plans[side] = yield from gaze.during(reaching.way(reacher, one, gaze.place, prisms, looked))
+    first = gaze.frames + gaze.left(FIRST)
+    looked = float(gaze.turned(np.array([first]))[0])
+    return {side: reaching.set_out(plan, gaze.place, looked) for side, plan in plans.items()}
+
+
+def _made(
+    task: HumanTask, hands: Mapping[str, TypingHand], plans: Mapping[str, Plan], strokes: list[Stroke], gaze: Looking
+) -> Generator[Array, None, Performed]:
+    """Both hands' frames as one."""
+    assert task.site is not None
+    assert task.object is not None
+    first = gaze.frames + gaze.left(FIRST)
+    length = round(max(plan.seconds for plan in plans.values()) * task.rate)
+    typed = round((strokes[-1].time + ENDS + RISES) * task.rate)
+    share, time = np.arange(1, length + 1) / length, np.arange(1, typed + 1) / task.rate
+    looked = gaze.turned(first + np.arange(1.0, length + typed + 1.0))
+    rise = minimum_jerk((time - strokes[-1].time - ENDS) / RISES)
+    height = ABOVE * (1.0 - minimum_jerk(time / SINKS) + rise)
+    travel = float(task.object.properties.get("travel", 0.0035))
+    both: list[Performed] = []
+    for side, hand in hands.items():
+        plan = plans[side]
+        over = task.site.inverse().then(Transform.of(plan.palm)).row() - np.array([0.0, 0.0, ABOVE, 0.0, 0.0, 0.0, 0.0])
+        resting = hand.resting(over)
+        then = np.repeat(over[None], typed, axis=0)
+        then[:, :3] += resting.shifts(strokes, time)
+        shape = resting.shapes(strokes, time[:1], then[:1], travel)[0]
+        then[:, 2] += height
+        links = list(fingers(side))
+        then = Transform(task.site.apply(then[:, :3]), multiply(task.site.rotation, then[:, 3:])).row()
+        made = yield from gaze.until(first, perform(plan, share, gaze.place, looked, (links, shape), then))
+        yield from gaze.if_there_is_time()
+        palms = task.site.inverse().then(Transform.of(made.targets[length:, Reacher.of(task.human, side).row])).row()
+        palms[:, 2] -= height  # of the palm as the arm's joints allow it
+        made.rotations[length:, links] = resting.shapes(strokes, time, palms, travel)
+        both.append(made)
+    return _joined(*both)
+
+
+def _joined(right: Performed, left: Performed) -> Performed:
+    """The right hand's frames with the left arm of the left hand's."""
+    first = INDEX["left_upper_arm"]
+    links = [first, first + 1, first + 2, *fingers("left")]
+    right.rotations[:, links] = left.rotations[:, links]
+    right.targets[:, 1] = left.targets[:, 1]
+    importance = np.maximum(right.importance, left.importance)
+    return replace(right, importance=importance, jumps=right.jumps or left.jumps)
+
+
+def _up(site: Transform) -> Array:
+    """The z axis (3,) of the keys."""
+    return site.apply(np.array([0.0, 0.0, 1.0])) - site.place
+
+
+if __name__ == "__main__":
+    run(touch_type)
