@@ -15,7 +15,7 @@ from ahmss.algorithm.task import HumanFrame, HumanTask, ObjectTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import slerp
+from ahmss.body.quaternion import rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
@@ -30,7 +30,7 @@ __all__ = ["Closing", "closing", "from_skin", "read_shape"]
 
 _LOOKS = np.linspace(0.15, 0.9, 6)  # shares of the way at which the closing fingers are looked at
 _MISSES = 0.002  # metres that the palm may be from where it is to hold
-_BELOW, _FROM_BELOW = 0.03, 60.0  # metres that the wrist may be below the palm, and what one more costs
+_LEVEL, _FROM_BELOW = 0.2, 100.0  # how far up a palm may look, its direction's z, and what one more costs
 _SPINE = INDEX["spine"]
 _SOONER = 1.5  # the palm is there before the fingers have closed, by this much
 
@@ -111,7 +111,7 @@ class _Arm:
         self.reacher = Reacher.of(task.human, side)
 
     def cost(self, palms: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """What palms (n, 7) cost the arm, and which it can take; more where the hand would come from below."""
+        """What palms (n, 7) cost the arm, and which it can take; more where it would look up: what it stands on is there."""
         start, reacher = self.task.start, self.reacher
         grip = self.thing.frame.then(Transform.of(palms)).row()
         rotations = np.repeat(start.rotations[None], len(palms), axis=0)
@@ -119,8 +119,8 @@ class _Arm:
         spine = seat(self.task.human, rotations, np.repeat(start.root[None], len(palms), axis=0))
         present = reacher.arm.from_pose(start.rotations[reacher.links])
         cost, found, missing = discomfort(reacher, grip, spine, present)
-        below = np.maximum(grip[:, 2] - reacher.hand(grip)[0][:, 2] - _BELOW, 0.0)
-        return cost + _FROM_BELOW * below, found & (missing < _MISSES)
+        upward = np.maximum(rotate(grip[:, 3:], np.array([1.0, 0.0, 0.0]))[:, 2] - _LEVEL, 0.0)
+        return cost + _FROM_BELOW * upward, found & (missing < _MISSES)
 
     def spine_for(self, palm: Transform) -> Array | None:
         """The spine (4,) with which the arm brings the palm there; None where it may stay, or while one walks.
