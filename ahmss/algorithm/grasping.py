@@ -111,7 +111,7 @@ class _Arm:
         self.reacher = Reacher.of(task.human, side)
 
     def cost(self, palms: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """What palms (n, 7) cost the arm, and which it can take; more where it would look up: what it stands on is there."""
+        """What palms (n, 7) cost the arm, and which it can take; more where it looks up: there is what it stands on."""
         start, reacher = self.task.start, self.reacher
         grip = self.thing.frame.then(Transform.of(palms)).row()
         rotations = np.repeat(start.rotations[None], len(palms), axis=0)
