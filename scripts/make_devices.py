@@ -1,4 +1,4 @@
-"""Make the shapes, pictures and tables of keyboard, touch panel, manual and telephone in objectdb/.
+"""Make the shapes and tables of keyboard, touch panel, manual and telephone in objectdb/.
 
 The same bytes each time.
 
@@ -11,13 +11,10 @@ import sys
 import textwrap
 from pathlib import Path
 
-from PIL import Image, ImageDraw
 from room_shapes import devices
 from room_shapes.dxf_out import write_dxf
-from room_shapes.lettering import drawn
 
 MODELS = ("keyboard", "touch_panel")
-DOTS = 40  # of the keyboard's picture, a centimetre
 
 
 def main(workspace: Path) -> None:
@@ -31,21 +28,10 @@ def main(workspace: Path) -> None:
 
 
 def _keyboard(folder: Path) -> None:
-    """The picture of its legends, the table of its keys, and how each key looks while it is pressed."""
+    """The table of its keys, and how each of them looks while it is pressed."""
     keys = devices.keys()
     (folder / "keys.toml").write_text(_table(keys))
     (folder / "object.toml").write_text(_object(keys))
-    caps = [piece for piece in devices.keyboard()[0] if piece.layer.startswith("key_")]
-    low = [min(float(p.corners[:, i].min()) for p in caps) for i in (0, 1)]
-    high = [max(float(p.corners[:, i].max()) for p in caps) for i in (0, 1)]
-    size = (round(DOTS * (high[1] - low[1])), round(DOTS * (high[0] - low[0])))
-    picture = Image.new("RGB", size, devices.PALE)  # as who types sees it
-    draw = ImageDraw.Draw(picture)
-    for key in keys:
-        middle = (DOTS * (key.at[1] - low[1]), DOTS * (key.at[0] - low[0]))
-        drawn(draw, key.legend, middle, DOTS * (0.62 if len(key.legend) < 2 else 0.42), devices.INK)
-    turned = picture.transpose(Image.Transpose.ROTATE_90)  # x to the right, y up
-    turned.quantize(32, dither=Image.Dither.NONE).save(folder / "legends.png", "PNG", optimize=False)
 
 
 def _table(keys: list[devices.Key]) -> str:
@@ -68,18 +54,22 @@ def _table(keys: list[devices.Key]) -> str:
 def _object(keys: list[devices.Key]) -> str:
     """The object's file: its own lines, and an appearance for each key."""
     names = ", ".join(f'"{name}"' for name in ["none", *(key.name for key in keys)])
-    caps = ", ".join(f'"key_{key.name}"' for key in keys)
-    text = KEYBOARD.replace("NAMES", _wrapped(names)).replace("CAPS", _wrapped(caps))
+    text = KEYBOARD.replace("NAMES", _wrapped(names))
     for key in keys:
         text += f"""
 [[appearances]]
-parts = ["key_{key.name}", "skirt_{key.name}"]
+parts = [{_parts(key)}]
 when = "key == {key.name}"
 by = "depth"
 move = [0.0, 0.0, {-0.01 * devices.TRAVEL:g}]
 lit = 0.5
 """
     return text
+
+
+def _parts(key: devices.Key) -> str:
+    """What of the shape goes down with it."""
+    return f'"key_{key.name}"' + (f', "legend_{key.name}"' if key.legend else "")
 
 
 def _wrapped(names: str) -> str:
@@ -91,8 +81,6 @@ name = "keyboard"
 sentence = "A keyboard: it writes capitals, digits and signs, as one who touch-types presses its keys."
 shape = "keyboard.dxf"
 unit = "cm"
-texture = "legends.png"
-texture_layers = [CAPS]
 properties = "keys.toml"
 
 [sites.keys]                 # the middle of the tops of its keys: x to who types, z up

@@ -27,6 +27,7 @@ BEFORE, BACK = 0.035, 0.045  # metres before the glass at which the finger is se
 ONTO = 0.0005  # metres that the pad gives way
 COMES, STAYS, LEAVES = 0.18, 0.1, 0.3  # seconds
 DRAWN, A_BIT, EXACT = 0.3, 0.13, 0.012  # seconds at least, and for each bit; metres of how exactly it is to arrive
+THERE = 0.32  # metres from the place within which a hand is there already
 UNSAID = -0.5  # less than any place that is said
 
 
@@ -40,7 +41,7 @@ def touch(task: HumanTask) -> Iterator[Array]:
     begin, end = (_on_glass(screen, _size(task.object), place) for place in _places(task, task.object))
     out = rotate(screen.rotation, np.array([1.0, 0.0, 0.0]))
     middle = 0.5 * (begin + end)
-    palms = {side: palms_pointing(task.human, side, middle, -out) for side in sides_of(task)}
+    palms = {side: palms_pointing(task.human, side, middle, -out) for side in _sides(task, middle)}
     gaze = Looking(task, middle)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     off = BEFORE * out + begin - middle
@@ -51,6 +52,13 @@ def touch(task: HumanTask) -> Iterator[Array]:
     shape = list(fingers(plan.reacher.side)), pointing(plan.reacher.side)
     made = yield from performed(task, reaching, plan, gaze, shape, drawn)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _sides(task: HumanTask, place: Array) -> tuple[str, ...]:
+    """The hands that may be used: of those that are free the one that is there already, if any is."""
+    free = sides_of(task)
+    there = [side for side in free if float(np.linalg.norm(task.start.grip(side).place - place)) < THERE]
+    return tuple(there) if len(there) == 1 else free
 
 
 def _size(thing: WorldObject) -> Array:

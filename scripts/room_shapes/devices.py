@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from room_shapes.lettering import lettering
-from room_shapes.solids import Piece, bevelled, box, loft, rounded, slab
+from room_shapes.solids import Piece, bevelled, box, loft, rectangle, rounded, slab
 
 Color = tuple[int, int, int]
 Model = tuple[list[Piece], dict[str, Color]]
@@ -63,36 +63,32 @@ def _at(row: float, column: float) -> tuple[float, float]:
 
 
 def keyboard() -> Model:
-    """32 cm wide; keys stand 0.6 cm out of the case, each on a layer of its own, its top apart from its skirt."""
+    """32 cm wide; keys stand 0.6 cm out of the case, each on a layer of its own, its legend on another."""
     pieces = [slab("case", rounded(13.2, 31.0, 1.2, 3), [(0.0, 0.0), (1.2, 0.0), (1.4, 0.25)])]
     pieces.append(box("well", (-5.0, -14.6, 1.4), (5.0, 14.6, 1.45), bottom=False))
     for key in keys():
-        pieces += _cap(f"key_{key.name}", f"skirt_{key.name}", key.at, key.size)
+        pieces += _cap(f"key_{key.name}", key.at, key.size)
+        if key.legend:
+            height = 0.62 if len(key.legend) < 2 else 0.4
+            turned = lettering(f"legend_{key.name}", key.legend, (0.0, 0.0), height).turned("z", 90)
+            pieces.append(turned.moved(*key.at, TOP + 0.012))
     for row, column, wide in ((-2, 0.45, 0.8), (-1, 0.7, 1.3), (-1, 14.2, 1.3), (0, 0.82, 1.55), (1, 1.1, 2.0)):
-        pieces += _cap("blank", "blank", _at(row, column), (CAP, wide * PITCH))
-    pieces += _cap("blank", "blank", _at(1, 13.55), (CAP, 2.55 * PITCH))
-    pieces += _cap("blank", "blank", _at(2, 2.0), (CAP, 2.5 * PITCH)) + _cap(
-        "blank", "blank", _at(2, 12.2), (CAP, 2.5 * PITCH)
-    )
+        pieces += _cap("blank", _at(row, column), (CAP, wide * PITCH))
+    pieces += _cap("blank", _at(1, 13.55), (CAP, 2.55 * PITCH))
+    pieces += _cap("blank", _at(2, 2.0), (CAP, 2.5 * PITCH)) + _cap("blank", _at(2, 12.2), (CAP, 2.5 * PITCH))
     colors = {"case": DARK, "well": (24, 26, 30), "blank": GREY}
     for key in keys():
-        colors |= {f"key_{key.name}": PALE, f"skirt_{key.name}": (176, 178, 174)}
+        colors |= {f"key_{key.name}": PALE} | ({f"legend_{key.name}": INK} if key.legend else {})
     return pieces, colors
 
 
-def _cap(top: str, skirt: str, at: tuple[float, float], size: tuple[float, float]) -> list[Piece]:
+def _cap(layer: str, at: tuple[float, float], size: tuple[float, float]) -> list[Piece]:
     """A key: its sides narrow a little to the top."""
     (x, y), (depth, wide) = at, (0.5 * size[0], 0.5 * size[1])
     rings = [
-        [
-            [x - depth - e, y - wide - e, z],
-            [x + depth + e, y - wide - e, z],
-            [x + depth + e, y + wide + e, z],
-            [x - depth - e, y + wide + e, z],
-        ]
-        for z, e in ((1.3, 0.12), (TOP, 0.0))
+        rectangle((x - depth - e, y - wide - e), (x + depth + e, y + wide + e), z) for z, e in ((1.3, 0.12), (TOP, 0.0))
     ]
-    return [loft(skirt, rings, bottom=False, top=False), Piece(top, np.array(rings[1]), [[0, 1, 2, 3]])]
+    return [loft(layer, rings, bottom=False)]
 
 
 def face(piece: Piece, x: float) -> Piece:

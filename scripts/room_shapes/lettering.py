@@ -9,7 +9,6 @@ import itertools
 from collections.abc import Iterator
 
 import numpy as np
-from PIL import ImageDraw
 
 from room_shapes.solids import Piece
 
@@ -21,7 +20,7 @@ GLYPHS = {
     "R": "00063645443303 2340", "S": "4536160504133342413010 1001", "T": "0646 2026", "U": "060110304146",
     "V": "062046", "W": "0610233046", "X": "0046 0640", "Y": "062346 2320", "Z": "06460040",
     "0": "1001051636454130 1030 1135", "1": "052620 1030", "2": "0516364544 440040",
-    "3": "0516364544331333424130 3010 1001", "4": "3036024242", "5": "46060434434130 301001",
+    "3": "0516364544331333424130 3010 1001", "4": "30360242", "5": "46060434434130 301001",
     "6": "3616050110304142 4233 3302", "7": "064610", "8": "130405163645443313 1302 0201 0110 1030 3041 4142 4233",
     "9": "4413 1304 0405 0516 1636 3645 4541 4130 3010", "-": "0343", "=": "0242 0444", "[": "36161030",
     "]": "16363010", ";": "2324 2211", "'": "2625", ",": "2110", ".": "2021", "/": "0046", ":": "2122 2425",
@@ -41,15 +40,6 @@ def strokes(text: str) -> Iterator[list[tuple[float, float]]]:
 def width(text: str, height: float) -> float:
     """Of a line of text so high."""
     return (len(text) * (WIDE + APART) - APART) * height / HIGH
-
-
-def drawn(
-    draw: ImageDraw.ImageDraw, text: str, middle: tuple[float, float], height: float, ink: tuple[int, ...]
-) -> None:
-    """A line of text on a picture, its middle there, pixels."""
-    scale, left, foot = height / HIGH, middle[0] - 0.5 * width(text, height), middle[1] + 0.5 * height
-    for line in strokes(text):
-        draw.line([(left + scale * x, foot - scale * y) for x, y in line], fill=ink, width=max(1, round(0.13 * height)))
 
 
 def lettering(layer: str, text: str, middle: tuple[float, float], height: float) -> Piece:

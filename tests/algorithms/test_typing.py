@@ -115,7 +115,7 @@ def test_enter_sends_the_line_and_back_takes_a_letter_away() -> None:
 
 def test_small_letters_are_written_as_capitals_and_others_are_refused() -> None:
     assert [s.key.writes for s in strokes_of("ab", KEYS, np.random.default_rng(0), 0.0)] == ["A", "B"]
-    with pytest.raises(AlgorithmError, match='no key for "ä"; it has: .*ABC.*XYZ.*, the space, <enter>'):
+    with pytest.raises(AlgorithmError, match=r'no key for "ä"; it has: .*ABC.*XYZ.*, the space, <enter>'):
         Desk(0).typed("Bär")
 
 
