@@ -1,22 +1,21 @@
 """Controls on a panel: where one stands to use one, which neighbours a hand must not touch, and the steps there.
 
-A control's frame has x out of the panel and z up along it, so that one stands where its y axis has the level on the
-left. What its kind says of it as `box`, the lowest and the highest corner in its frame, is what others must not touch.
-What the shipped algorithms that use controls share, and an author may use.
+A control's frame has x out of the panel and z up along it, so that its y axis is to the right of who stands before it.
+What it fills, its property `box` says, and who uses another leaves it alone. What the shipped algorithms that use
+controls share, and an author may use.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
 
 import numpy as np
-import shapely
 
-from ahmss.algorithm.place import Transform, WorldObject
-from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, sides_of
+from ahmss.algorithm.box import Box, boxes_of
+from ahmss.algorithm.place import Transform
+from ahmss.algorithm.reaching import MOST_MISSING, Looking, planned, prisms_of, sides_of
 from ahmss.algorithm.stepping import ground_of, stepped, walk_library
 from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.algorithm.tucking import Tucking
@@ -27,6 +26,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch, stretch_of
+from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, heading_of
@@ -35,13 +35,15 @@ from ahmss.walking import goals
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["Box", "before", "begun_at", "boxes_of", "front_of", "gone_to", "in_the_way", "otherwise", "stood_before"]
+__all__ = ["before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "smoothest", "stood_before"]
 
 _UP = np.array([0.0, 0.0, 1.0])
 _Y = np.array([0.0, 1.0, 0.0])
 _NEAR = 0.6  # metres from a control within which others are looked at
+_SKIN, _NEARLY = 0.012, 0.002  # metres that the bones of a hand keep from what is beside a control
+_FLAT = 0.004  # metres: what is no higher is in nobody's way
 _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
-_AWAY = (0.42, 0.5, 0.36, 0.58, 0.3, 0.68)  # metres from the control to who stands before it, level; the best first
+_AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
 _ASIDE = 0.14  # metres that the hand's own side is before the control
 _AT_EASE, _FROM_HERE = (
     0.9,
@@ -51,6 +53,8 @@ _FACING = np.radians(55.0)  # that a control is aside of who uses it from where 
 _SEEN_FROM = np.cos(np.radians(70.0))  # how far aside of a control's axis one may stand to use it
 _MOST = 12.0  # metres that are walked to a control
 _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
+_TRIES = 4  # of palms, where the elbow would leap on the way
+_LEAP = np.radians(9.0)  # that an arm's link turns in a frame
 _OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
 _SEES = np.radians(65.0)  # aside of where one goes, up to where one looks at it on the way
 _LAG = 0.07  # seconds of each of three lags by which the gaze turns then
@@ -58,45 +62,26 @@ _TARGETS = 220  # the first of a row's targets
 _SPARSE = 3  # every so many palms show how easily an arm comes there
 
 
-@dataclass(frozen=True, eq=False)
-class Box:
-    """What a control fills: its frame in the world, the lowest and highest corner (3,) in it."""
-
-    frame: Transform
-    low: Array
-    high: Array
-
-    def gap(self, points: Array) -> Array:
-        """The distance (...) of points (..., 3) of the world from it, negative within."""
-        own = self.frame.inverse().apply(points)
-        off = np.maximum(self.low - own, own - self.high)
-        return np.linalg.norm(np.maximum(off, 0.0), axis=-1) + np.minimum(off.max(axis=-1), 0.0)
-
-    def prism(self) -> Prism:
-        """The upright prism about it."""
-        corners = np.stack(np.meshgrid(*zip(self.low, self.high, strict=True), indexing="ij"), axis=-1).reshape(8, 3)
-        places = self.frame.apply(corners)
-        hull = shapely.convex_hull(shapely.MultiPoint(places[:, :2]))
-        ring = shapely.get_coordinates(hull)[:-1]
-        return Prism(ring, float(places[:, 2].min()), float(places[:, 2].max()))
-
-
-def boxes_of(task: HumanTask) -> list[Box]:
-    """The other controls near the one that is used."""
+def beside(task: HumanTask) -> list[Box]:
+    """What the other controls fill near the one that is used."""
     if task.object is None:
         return []
     at = task.object.place
-    return [
-        box
-        for thing in task.world.values()
-        if (box := _box(thing)) is not None and float(np.linalg.norm(thing.place - at)) < _NEAR
-    ]
+    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < _NEAR]
+    return [box for thing in near if "box" in thing.properties for box in boxes_of(thing)]
 
 
-def in_the_way(task: HumanTask, boxes: Sequence[Box]) -> list[Prism]:
-    """What a hand on its way to a control keeps clear of: what stands about, and its neighbours."""
-    near = [prism for prism in prisms_of(task) if prism.high - prism.low > 0.05]
-    return near + [box.prism() for box in boxes]
+def clear_of(boxes: Sequence[Box], palms: Array, points: Array) -> Array:
+    """Of palms (n, 7) those whose hands' points (n, m, 3) are clear of boxes; the clearest where none is."""
+    if not boxes:
+        return palms
+    gap = np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0)
+    return palms[gap > min(_SKIN, float(gap.max()) - _NEARLY)]
+
+
+def in_the_way(task: HumanTask) -> list[Prism]:
+    """What a hand on its way to a control keeps clear of: what stands about, its neighbours among that."""
+    return [prism for prism in prisms_of(task) if not prism.sought and prism.high - prism.low > _FLAT]
 
 
 def front_of(control: Transform) -> Array:
@@ -121,19 +106,19 @@ def before(task: HumanTask, away: float, aside: float = 0.0) -> goals.Goal:
 
 
 def stood_before(
-    task: HumanTask, goal: Goal, prisms: Sequence[Prism]
+    task: HumanTask, goal: Goal, prisms: Sequence[Prism], gaze: Looking | None = None
 ) -> Generator[Array, None, tuple[HumanTask, Looking]]:
     """The task from where the control can be used, as it is or after steps (n, 260) to there; and the gaze on its way.
 
     Args:
         task: who uses the control; without a walk library nobody steps. goal: of the hand, its palms known.
-        prisms: what may be in the way.
+        prisms: what may be in the way. gaze: where it is on its way already.
 
     Raises:
         AlgorithmError: no place to stand serves; says by how much the arm is too short from the best.
     """
     assert task.object is not None
-    gaze = Looking(task, goal.place)
+    gaze = Looking(task, goal.place) if gaze is None else gaze
     if task.library is None:
         return task, gaze
     here = yield from gaze.during(_stretch(task, Reaching(task.human, task.start.rotations, task.start.root), goal))
@@ -143,7 +128,33 @@ def stood_before(
     return (yield from gone_to(task, stand, gaze))
 
 
-def otherwise(goal: Goal, plan: Plan) -> Goal:
+def smoothest(
+    task: HumanTask, reaching: Reaching, goal: Goal, gaze: Looking, prisms: Sequence[Prism], off: Array,
+    perform: Callable[[Plan], Generator[Array, None, Performed]],
+) -> Generator[Array, None, tuple[Plan, Performed]]:  # fmt: skip
+    """The plan of a reach whose arm does not leap on the way, and what is performed of it; of some the smoothest.
+
+    Args:
+        task, reaching, goal, gaze, prisms, off: as of `planned`. perform: makes a plan's frames.
+    """
+    best: tuple[float, Plan, Performed] | None = None
+    for _ in range(_TRIES):
+        plan = yield from planned(task, reaching, goal, gaze, prisms, off)
+        made = yield from perform(plan)
+        links = plan.reacher.links
+        arm = np.concatenate([task.start.rotations[None, links], made.rotations[:, links]])
+        cos = np.abs((arm[1:] * arm[:-1]).sum(axis=-1))
+        leap = float(2.0 * np.arccos(np.clip(cos, 0.0, 1.0)).max(initial=0.0))
+        if best is None or leap < best[0]:
+            best = leap, plan, made
+        if leap < _LEAP:
+            break
+        goal = _otherwise(goal, plan)
+    assert best is not None
+    return best[1:]
+
+
+def _otherwise(goal: Goal, plan: Plan) -> Goal:
     """The goal without the palms that are turned about as a plan's is; as it was where there are no others."""
     palms = dict(goal.palms)
     own = palms[plan.reacher.side]
@@ -161,7 +172,7 @@ def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Arra
     """
     assert task.object is not None
     steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=task.object.name)
-    tucking, rotations = Tucking(task), task.start.rotations.copy()
+    tucking, rotations = Tucking(task, first=0), task.start.rotations.copy()
     watching = _Watching(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
     while True:
         try:
@@ -275,12 +286,3 @@ def _stretch(task: HumanTask, reaching: Reaching, goal: Goal, sides: tuple[str, 
         found.append(arm)
         yield
     return min(found, key=lambda arm: (not arm.found, arm.cost))
-
-
-def _box(thing: WorldObject) -> Box | None:
-    """What a control of a kind that says it fills."""
-    told: Any = thing.properties.get("box")
-    if not isinstance(told, list | tuple) or len(told) != 2:  # pyright: ignore[reportUnknownArgumentType]
-        return None
-    low, high = (np.array(corner, float) for corner in told)  # pyright: ignore[reportUnknownVariableType]
-    return Box(thing.frame, low, high)

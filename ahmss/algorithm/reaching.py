@@ -11,6 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from ahmss.algorithm.box import boxes_of
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -77,14 +78,18 @@ def sides_of(task: HumanTask) -> tuple[str, ...]:
 
 
 def prisms_of(task: HumanTask) -> list[Prism]:
-    """What may be in the way: the object and its neighbours, each as high as it says."""
+    """What may be in the way: the object and its neighbours, each as the boxes that it tells, or as high as it says."""
     things = [] if task.object is None else [task.object]
     things += [thing for thing in task.world.values() if thing.kind != "human"]
     found: list[Prism] = []
     for thing in things:
+        sought = thing is task.object
+        if boxes := boxes_of(thing):
+            found += [box.prism(sought=sought) for box in boxes]
+            continue
         height = _height(thing)
         low = float(thing.place[2])
-        found += [Prism(ring, low, low + height, thing is task.object) for ring in thing.occupied if len(ring) >= 3]
+        found += [Prism(ring, low, low + height, sought) for ring in thing.occupied if len(ring) >= 3]
     return found
 
 

@@ -12,6 +12,8 @@ import numpy as np
 
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.task import HumanTask
+from ahmss.body.arm import Arm, hand_angles, with_hand
+from ahmss.body.arm_swing import HAND, limits_of
 from ahmss.body.array import Array
 from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
@@ -29,6 +31,7 @@ _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is draw
 _BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing turns there, and is careful for so long
 _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
+_EASED = 18  # frames in which main brings an arm from where it was before: it is not another motion's yet
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _NONE = 1e-4  # so little an arm is not drawn in any more
@@ -38,60 +41,68 @@ _STATURE = 1.72
 
 
 class Tucking:
-    """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone."""
+    """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone.
 
-    def __init__(self, task: HumanTask) -> None:
+    first: frames in which it is careful, as who sets out from beside a thing turns there.
+    """
+
+    def __init__(self, task: HumanTask, first: int = _FIRST) -> None:
+        self._first = first
         self._task, self._given = task, np.zeros((0, 4))
         self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
         self._sides = [side for side in _SIDES if side not in task.busy]
         self._prisms = prisms_of(task)
         self._level = {side: np.zeros(3) for side in _SIDES}
-        self._wanted = dict.fromkeys(_SIDES, True)
+        self._wanted = dict.fromkeys(_SIDES, first > 0)
         self._frames = 0
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
 
-    def over(self, rows: Array) -> Array:
-        """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
-        root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
+    def over(self, rows: Array, coming: Array | None = None) -> Array:
+        """POSE rows (n, 260) of a walk, the arms drawn in where that is needed.
+
+        coming: rows (m, 260) after them, if they are known already.
+        """
+        seen = rows if coming is None else np.concatenate([rows, coming])
+        root, rotations = seen[:, 1:4], seen[:, 4:176].reshape(-1, 43, 4)
         others = self._others()
         self._given = rows[-1, 4:176].reshape(43, 4)
         begun, self._frames = self._frames, self._frames + len(rows)
         near = _about(self._prisms, root)
         if not near and max(float(level.max()) for level in self._level.values()) < _NONE:
             return rows
-        made, out = rows.copy(), rotations.copy()
+        made, out = rows.copy(), rotations[: len(rows)].copy()
         places, turned = forward(rotations, root, self._skeleton.offsets)
         for side in self._sides:
             if side in others:
                 self._level[side][:] = 0.0
                 continue
             gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
-            share = np.array(self._levels(side, gap, begun))
+            share = np.array(self._levels(side, gap, begun, len(rows)))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
-            end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
+            end = align(np.broadcast_to(self._pose[arm], out[:, arm].shape), out[:, arm])
             made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
-            out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
+            out[:, arm] = slerp(out[:, arm], end, share[:, None])
         made[:, 4:176] = out.reshape(-1, 172)
         self._given = out[-1]
         return made
 
     def _others(self) -> list[str]:
         """The arms that another motion has: they are elsewhere than where the last piece has left them."""
-        if not len(self._given):
+        if self._frames < _EASED:
             return []
         turn = to_rotation_vector(multiply(conjugate(self._given), self._task.present.rotations))
         off = np.linalg.norm(turn, axis=-1)
         return [side for side in _SIDES if max(off[INDEX[f"{side}_{link}"]] for link in _ARM) > _OTHERS]
 
-    def _levels(self, side: str, gap: Array, begun: int) -> list[float]:
+    def _levels(self, side: str, gap: Array, begun: int, count: int) -> list[float]:
         """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n).
 
-        begun: frames of the walk before these.
+        begun: frames of the walk before these. count: of frames that are made, n or fewer.
         """
         levels: list[float] = []
-        for k in range(len(gap)):
+        for k in range(count):
             coming = float(gap[k : k + _SEEN].min())
-            enough = _BESIDE if begun + k < _FIRST else _ENOUGH
+            enough = _BESIDE if begun + k < self._first else _ENOUGH
             self._wanted[side] = coming < (enough if self._wanted[side] else _LEAST)
             level, wanted = self._level[side], float(self._wanted[side])
             for i in range(len(level)):
@@ -118,7 +129,7 @@ def _about(prisms: Sequence[Prism], root: Array) -> list[Prism]:
 
 
 def _tucked(skeleton: Skeleton) -> Array:
-    """A pose (43, 4) in which both hands are before the belly, palms towards it, fingers inwards."""
+    """A pose (43, 4), both hands before the belly, palms towards it as far as the wrists go, fingers inwards."""
     rotations, root = skeleton.upright()
     place, turn = floor_frame(rotations, root)
     targets = np.zeros((5, 8))
@@ -129,4 +140,9 @@ def _tucked(skeleton: Skeleton) -> Array:
         up = np.array([-0.6, 0.0, 0.8])
         palm = from_matrix(np.stack([out, np.cross(up, out), up], axis=-1))
         targets[row, :3], targets[row, 3:7], targets[row, 7] = place + rotate(turn, at), multiply(turn, palm), 1.0
-    return solve(skeleton, rotations, root, targets)
+    made = solve(skeleton, rotations, root, targets)
+    for side in _SIDES:
+        arm, links = Arm.of(skeleton, side), slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
+        own, (low, high) = arm.from_pose(made[links]), limits_of(arm)[HAND].T
+        made[links] = arm.into_pose(with_hand(own, np.clip(hand_angles(own), low, high)))
+    return made

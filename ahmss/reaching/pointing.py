@@ -6,16 +6,16 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import IDENTITY, between, conjugate, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, between, from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
-__all__ = ["apart_from", "palms_pointing", "pointing"]
+__all__ = ["palms_pointing", "pointing"]
 
 _CURLED = np.radians([70.0, 85.0, 50.0])  # knuckle, middle and end joint of the other fingers
 _STRAIGHT = np.radians([8.0, 4.0, 3.0])  # of the index: a finger that pushes is not quite straight
 _THUMB = np.radians([45.0, 40.0])  # to the palm, and its end over the middle finger
 _ROLLS = np.radians(np.arange(-20.0, 111.0, 10.0))  # from thumb up to palm down
-_TILTS = np.radians([-30.0, -15.0, 0.0, 15.0])  # of the finger against the way it pushes, up and down
+_TILTS = np.radians([-30.0, -15.0, 0.0, 15.0, 30.0, 45.0])  # of the finger against the way it pushes, down and up
 _SIDES = np.radians([-15.0, 0.0, 15.0])
 _X = np.array([1.0, 0.0, 0.0])
 
@@ -35,11 +35,18 @@ def pointing(side: str) -> Array:
     return rotations
 
 
-def palms_pointing(skeleton: Skeleton, side: str, place: Array, into: Array, *, exactly: bool = False) -> Array:
+def palms_pointing(
+    skeleton: Skeleton, side: str, place: Array, into: Array, ahead: Array | None = None, *, exactly: bool = False
+) -> Array:
     """Palms (n, 7) whose index fingertip is at a place (3,), the finger about along a direction (3,), unit.
 
     Thumb up to palm down, and the finger also a little tilted against the direction, unless it is to lie along it
-    `exactly`.
+    `exactly`: aside, down, and more upwards, as a hand that pushes downwards comes from before.
+
+    Args:
+        skeleton: the human's measures. side: of the hand. place: of the fingertip. into: which way it points.
+        ahead: (3,) level, unit: where who points looks; left out: the level of `into`, where that has one.
+        exactly: whether the finger lies along `into`.
     """
     tip, along = _fingertip(skeleton, side)
     row, sign = (1, 1.0) if side == "left" else (0, -1.0)
@@ -48,42 +55,16 @@ def palms_pointing(skeleton: Skeleton, side: str, place: Array, into: Array, *, 
     # A hand whose fingers point along the level of `into`, thumb up: hand x along it, z down.
     down = np.array([0.0, 0.0, -1.0])
     level = into if abs(into[2]) < 0.9 else _X
-    across = np.cross(down, level)
+    across = np.cross(down, level if ahead is None else ahead)
     across = across / np.linalg.norm(across)
-    ahead = np.cross(across, down)
-    matrix = np.stack([ahead, across, down], axis=-1)
-    hand = multiply(between(ahead, into), from_matrix(matrix))
+    level = np.cross(across, down)
+    hand = multiply(between(level, into), from_matrix(np.stack([level, across, down], axis=-1)))
     turn = multiply(from_axis_angle(across, tilt), from_axis_angle(down, aside))
     hand = multiply(turn, multiply(from_axis_angle(into, sign * roll), hand))
     hand = multiply(hand, between(along, _X))  # the finger itself, which is a little bent
     place = place - rotate(hand, tip)
     grip = skeleton.grips[row]
     return np.concatenate([place + rotate(hand, grip[:3]), multiply(hand, grip[3:])], axis=-1)
-
-
-def apart_from(skeleton: Skeleton, side: str, palms: Array) -> Array:
-    """Points (n, m, 3) of pointing hands whose palms are at (n, 7): what may touch the neighbours of what is pressed.
-
-    All bones of the hand, but for the end of the index finger.
-    """
-    row, shape = (1 if side == "left" else 0), pointing(side)
-    grip, first = skeleton.grips[row], fingers(side)[0]
-    rotation = multiply(palms[:, 3:7], conjugate(grip[3:]))
-    wrist = palms[:, :3] - rotate(rotation, grip[:3])
-    points = [np.zeros(3)]
-    for finger in ("thumb", "index", "middle", "ring", "little"):
-        place, turned = np.zeros(3), IDENTITY
-        for segment in ("proximal", "intermediate", "distal"):
-            link = INDEX.get(f"{side}_{finger}_{segment}")
-            if link is None:
-                continue
-            place = place + rotate(turned, skeleton.offsets[link])
-            turned = multiply(turned, shape[link - first])
-            points.append(place)
-            points.append(place + rotate(turned, 0.5 * skeleton.tips[link]))
-        if finger != "index":
-            points.append(place + rotate(turned, skeleton.tips[INDEX[f"{side}_{finger}_distal"]]))
-    return wrist[:, None] + rotate(rotation[:, None], np.array(points))
 
 
 def _fingertip(skeleton: Skeleton, side: str) -> tuple[Array, Array]:

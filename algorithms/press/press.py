@@ -8,28 +8,30 @@ with a travel takes 150 to 300 ms to press.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.controls import Box, boxes_of, in_the_way, otherwise, stood_before
-from ahmss.algorithm.reaching import performed, planned, sides_of
+from ahmss.algorithm.box import Box
+from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, smoothest, stood_before
+from ahmss.algorithm.pinching import gone_back, rows_made
+from ahmss.algorithm.reaching import performed, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.plan import Reaching
-from ahmss.reaching.pointing import apart_from, palms_pointing, pointing
+from ahmss.reaching.handpoints import hand_points
+from ahmss.reaching.performing import Performed
+from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.pointing import palms_pointing, pointing
 
 TRAVEL = 0.004  # metres, where neither parameter nor property says
 BEFORE, BACK = 0.035, 0.06  # metres before the face at which the finger is set, and to which it is drawn back
 OVER = 0.0005  # metres beyond the travel, so that it is pushed all the way
 COMES, PUSHES, STAYS, LEAVES = 0.16, 0.12, 0.07, 0.3  # seconds
-TRIES = 3  # of palms, where the elbow would have to jump on the way
-AIR = 0.012  # metres that the hand's bones keep from what is beside the button: skin
 
 
 def press(task: HumanTask) -> Iterator[Array]:
@@ -39,33 +41,31 @@ def press(task: HumanTask) -> Iterator[Array]:
     if task.carried:
         raise AlgorithmError("a button is pressed standing; walk there first, then press it")
     out = rotate(task.site.rotation, np.array([1.0, 0.0, 0.0]))
-    boxes = boxes_of(task)
+    boxes = beside(task)
     palms = {side: _palms(task, side, out, boxes) for side in sides_of(task)}
-    goal, prisms = Goal(task.site.place, palms=palms), in_the_way(task, boxes)
+    goal, prisms = Goal(task.site.place, palms=palms), in_the_way(task)
     task, gaze = yield from stood_before(task, goal, prisms)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    for _ in range(TRIES):
-        plan = yield from planned(task, reaching, goal, gaze, prisms, BEFORE * out)
-        pushed = _pushed(task, plan.palm, out)
-        if task.length:
-            pushed = pushed[np.linspace(0, len(pushed) - 1, min(len(pushed), task.length // 2)).round().astype(int)]
-        shape = list(fingers(plan.reacher.side)), pointing(plan.reacher.side)
-        made = yield from performed(task, reaching, plan, gaze, shape, pushed)
-        if not made.jumps:
-            break
-        goal = otherwise(goal, plan)
-    yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+    def perform(plan: Plan) -> Generator[Array, None, Performed]:
+        side = plan.reacher.side
+        return performed(
+            task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), _pushed(task, plan.palm, out)
+        )
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform)
+    yield rows_made(task, made)
+    if task.parameter("returns", False):
+        length = len(made.root) - len(_pushed(task, plan.palm, out))
+        yield gone_back(task, made, length, plan.reacher.links)
 
 
 def _palms(task: HumanTask, side: str, out: Array, boxes: Sequence[Box]) -> Array:
     """Palms (n, 7) whose index fingertip is at the face: those that are clear of the neighbours, if any are."""
     assert task.site is not None
-    palms = palms_pointing(task.human, side, task.site.place, -out)
-    if not boxes:
-        return palms
-    points = apart_from(task.human, side, palms)  # (n, m, 3)
-    gap = np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0)
-    return palms[gap > min(AIR, float(gap.max()) - 0.002)]
+    ahead = -np.append(front_of(task.site), 0.0)
+    palms = palms_pointing(task.human, side, task.site.place, -out, ahead)
+    return clear_of(boxes, palms, hand_points(task.human, side, palms, pointing(side), spared="index"))
 
 
 def _pushed(task: HumanTask, palm: Array, out: Array) -> Array:
@@ -80,6 +80,8 @@ def _pushed(task: HumanTask, palm: Array, out: Array) -> Array:
         depth.append(before + minimum_jerk(time) * (after - before))
     palms = np.repeat(palm[None], sum(map(len, depth)), axis=0)
     palms[:, :3] -= np.concatenate(depth)[:, None] * out
+    if task.length:  # a short motion has few frames for it
+        palms = palms[np.linspace(0, len(palms) - 1, min(len(palms), task.length // 2)).round().astype(int)]
     return palms
 
 

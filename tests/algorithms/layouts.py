@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import HumanPose, Transform, frames
-from ahmss.algorithm.controls import Box, front_of
+from ahmss.algorithm.box import Box
+from ahmss.algorithm.controls import front_of
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import solve
@@ -104,7 +105,7 @@ def somebody(name: str, control: Control, seed: int, most: float = 1.5) -> Body:
     random = np.random.default_rng(seed)
     front = front_of(control.frame)
     angle = np.arctan2(front[1], front[0]) + random.uniform(-0.6, 0.6)
-    place = control.frame.place[:2] + random.uniform(0.4, most) * np.array([np.cos(angle), np.sin(angle)])
+    place = control.frame.place[:2] + random.uniform(0.55, most) * np.array([np.cos(angle), np.sin(angle)])
     return Body(name, float(place[0]), float(place[1]), float(np.degrees(angle)) + 180.0 + random.uniform(-40.0, 40.0))
 
 

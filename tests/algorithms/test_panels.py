@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, Transform, frames
-from ahmss.algorithm.controls import Box
+from ahmss.algorithm.box import Box
 from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
 
@@ -22,7 +22,7 @@ def check(layout: Layout, control: Control, name: str, seed: int) -> bool:
     """Press a button; whether it was in reach."""
     body = somebody(name, control, seed)
     try:
-        done = used(body, layout.start(control, body, "press"), "press")
+        done = used(body, layout.start(control, body, "press", parameters={}), "press")
     except AlgorithmError as error:
         if "too short" not in str(error):
             raise
@@ -85,7 +85,7 @@ def test_who_stands_far_away_or_looks_elsewhere_goes_there_first() -> None:
     control = upright(1.2)
     for x, facing in ((-1.0, 0.0), (1.5, 180.0)):
         body = Body("ken", x, 0.3, facing)
-        done = used(body, Layout((control,)).start(control, body, "press"), "press")
+        done = used(body, Layout((control,)).start(control, body, "press", parameters={}), "press")
         hips = done.shown[-1].root
         assert 0.25 < 2.0 - hips[0] < 0.75
         assert abs(hips[1]) < 0.3
@@ -97,7 +97,7 @@ def test_who_can_reach_it_takes_no_step() -> None:
     control = upright(1.2)
     body = Body("ken", 1.5, 0.0, 0.0)
     root = body.root.copy()
-    done = used(body, Layout((control,)).start(control, body, "press"), "press")
+    done = used(body, Layout((control,)).start(control, body, "press", parameters={}), "press")
     assert max(np.linalg.norm(pose.root[:2] - root[:2]) for pose in done.shown) < 0.05
 
 

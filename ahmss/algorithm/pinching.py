@@ -1,0 +1,168 @@
+"""A part of a thing between thumb and fingers: it is taken, goes its way with the hand, and is let go.
+
+A tap's lever, a slide, a knob. The reach is that of `reach`, the grip that of `grasp` at a site with a precision grip:
+the hand comes along its x, thumb and fingers close along its z. What the shipped algorithms that move a part share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, smoothest, stood_before
+from ahmss.algorithm.place import Transform
+from ahmss.algorithm.reaching import Looking, performed, sides_of
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.links import fingers
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
+from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import Holding, opener
+from ahmss.grasping.precision import precision
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.handpoints import hand_points
+from ahmss.reaching.performing import Performed
+from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.pointing import palms_pointing
+
+__all__ = ["Part", "gone_back", "pinched", "rows_made"]
+
+_BEFORE = 0.07  # metres before the part at which the open hand is set, and to which it goes back
+_COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
+_GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
+_TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
+
+Way = Callable[[Array], tuple[Array, Array]]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is taken and moved.
+
+    site: where it is taken, as it is now, in the world. way: for shares (n) of its way, from 0 to 1, the site's places
+    (n, 3), and the turns (n, 4) in the world that the hand makes with it. seconds: that the way takes.
+    """
+
+    site: Transform
+    way: Way
+    seconds: float
+
+
+def pinched(task: HumanTask, part: Part) -> Iterator[Array]:
+    """Frames (n, 260): the hand comes, closes, moves the part, opens, and goes back the way that it came.
+
+    Raises:
+        AlgorithmError: thumb and fingers can't close there, or it is out of reach; says so.
+    """
+    gaze, grips = Looking(task, part.site.place), dict[str, tuple[Transform, Holding]]()
+    yield gaze.alone()
+    for side in sides_of(task):
+        grips |= _grip(task, side, part)
+        yield gaze.alone()
+    if not grips:
+        name = "it" if task.object is None else task.object.name
+        raise AlgorithmError(f"thumb and fingers can't close on {name} there; give the site another rotation")
+    palms = {side: _tilted(task, side, part, *grip) for side, grip in grips.items()}
+    goal, prisms = Goal(part.site.place, palms=palms), in_the_way(task)
+    task, gaze = yield from stood_before(task, goal, prisms, gaze)
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
+
+    def perform(plan: Plan) -> Generator[Array, None, Performed]:
+        return _made(task, part, plan, gaze, reaching, grips[plan.reacher.side][1])
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, -_BEFORE * into, perform)
+    yield rows_made(task, made)
+    length = len(made.root) - len(_moved(task, part, plan.palm)[0])
+    yield gone_back(task, made, length, plan.reacher.links)
+
+
+def _made(
+    task: HumanTask, part: Part, plan: Plan, gaze: Looking, reaching: Reaching, holding: Holding
+) -> Generator[Array, None, Performed]:
+    """The frames of a plan, the fingers closing and opening."""
+    side = plan.reacher.side
+    then, closed = _moved(task, part, plan.palm)
+    wide, links = opener(Hand.of(task.human, side), holding), list(fingers(side))
+    made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
+    made.rotations[len(made.root) - len(then) :, links] = slerp(wide, holding.shape, closed[:, None])
+    return made
+
+
+def rows_made(task: HumanTask, made: Performed) -> Array:
+    """The frames (n, 260) of what was performed."""
+    return task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def gone_back(task: HumanTask, made: Performed, length: int, arm: slice) -> Array:
+    """Frames (n, 260) in which all goes back the way that it came in the first so many, which is clear of things.
+
+    The elbow may have come to another place meanwhile: the arm goes over from there.
+    """
+    rows = rows_made(task, made)[:length][::-1]
+    rotations = made.rotations[:length][::-1].copy()
+    share = minimum_jerk(np.arange(1, length + 1) / _GOES_OVER)[:, None]
+    rotations[:, arm] = slerp(
+        np.broadcast_to(made.rotations[-1, arm], rotations[:, arm].shape), rotations[:, arm], share
+    )
+    rows[:, 4:176] = rotations.reshape(length, 172)
+    return rows
+
+
+def _grip(task: HumanTask, side: str, part: Part) -> Mapping[str, tuple[Transform, Holding]]:
+    """The palm and the fingers that take the part, by side; empty where this hand can't."""
+    thing = task.object
+    assert thing is not None
+    assert thing.shape is not None
+    assert task.site is not None
+    site = thing.frame.inverse().then(task.site)  # the shape has the part where it is at rest
+    into = rotate(task.site.rotation, np.array([1.0, 0.0, 0.0]))
+    ahead = -np.append(front_of(thing.frame), 0.0)
+    level = palms_pointing(task.human, side, task.site.place, into, None if abs(into[2]) < 0.9 else ahead, exactly=True)
+    present = thing.frame.inverse().then(Transform.of(level[0]))
+    holding = precision(Hand.of(task.human, side), thing.shape.field(site.place), present.row(), site.row())
+    if holding is None or not holding.holds:
+        return {}
+    palm = task.site.inverse().then(thing.frame.then(Transform.of(holding.palm)))
+    return {side: (part.site.then(palm), holding)}
+
+
+def _tilted(task: HumanTask, side: str, part: Part, palm: Transform, holding: Holding) -> Array:
+    """Palms (n, 7) that hold the part between the same pads, the hand turned about it: which is easiest is chosen.
+
+    Where there are things beside it, those that leave them alone.
+    """
+    across = rotate(part.site.rotation, np.array([0.0, 0.0, 1.0]))
+    into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
+    tilt, roll = (a.ravel() for a in np.meshgrid(_TILTS, _ROLLS, indexing="ij"))
+    turned = multiply(from_axis_angle(across, tilt), from_axis_angle(into, roll))
+    places = part.site.place + rotate(turned, palm.place - part.site.place)
+    palms = np.concatenate([places, multiply(turned, palm.rotation)], axis=-1)
+    boxes = beside(task)
+    if not boxes:
+        return palms
+    wide = opener(Hand.of(task.human, side), holding)
+    points = [hand_points(task.human, side, palms, shape) for shape in (holding.shape, wide)]
+    return clear_of(boxes, palms, np.concatenate(points, axis=1))
+
+
+def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
+    """Palms (n, 7) from before the part, where the hand is set (7,), to it, with it, off it, and back to where they
+    came from; and how far the fingers are closed (n), 0 to 1.
+    """
+    into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
+    palm = Transform(set_at[:3] + _BEFORE * into, set_at[3:])
+    counts = [round(seconds * task.rate) for seconds in (_COMES, _CLOSES, part.seconds, _OPENS, _LEAVES, _RETURNS)]
+    share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
+    zero = [np.zeros(count) for count in counts]
+    back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
+    way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
+    closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
+    held, along = part.way(way)
+    on_part = palm.place - part.site.place
+    places = held + rotate(along, on_part) - _BEFORE * back[:, None] * rotate(along, into)
+    return np.concatenate([places, multiply(along, palm.rotation)], axis=-1), closed
