@@ -31,7 +31,6 @@ _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is draw
 _BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing turns there, and is careful for so long
 _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
-_EASED = 18  # frames in which main brings an arm from where it was before: it is not another motion's yet
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _NONE = 1e-4  # so little an arm is not drawn in any more
@@ -57,50 +56,46 @@ class Tucking:
         self._frames = 0
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
 
-    def over(self, rows: Array, coming: Array | None = None) -> Array:
-        """POSE rows (n, 260) of a walk, the arms drawn in where that is needed.
-
-        coming: rows (m, 260) after them, if they are known already.
-        """
-        seen = rows if coming is None else np.concatenate([rows, coming])
-        root, rotations = seen[:, 1:4], seen[:, 4:176].reshape(-1, 43, 4)
+    def over(self, rows: Array) -> Array:
+        """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
+        root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
         others = self._others()
         self._given = rows[-1, 4:176].reshape(43, 4)
         begun, self._frames = self._frames, self._frames + len(rows)
         near = _about(self._prisms, root)
         if not near and max(float(level.max()) for level in self._level.values()) < _NONE:
             return rows
-        made, out = rows.copy(), rotations[: len(rows)].copy()
+        made, out = rows.copy(), rotations.copy()
         places, turned = forward(rotations, root, self._skeleton.offsets)
         for side in self._sides:
             if side in others:
                 self._level[side][:] = 0.0
                 continue
             gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
-            share = np.array(self._levels(side, gap, begun, len(rows)))
+            share = np.array(self._levels(side, gap, begun))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
-            end = align(np.broadcast_to(self._pose[arm], out[:, arm].shape), out[:, arm])
+            end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
             made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
-            out[:, arm] = slerp(out[:, arm], end, share[:, None])
+            out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
         made[:, 4:176] = out.reshape(-1, 172)
         self._given = out[-1]
         return made
 
     def _others(self) -> list[str]:
         """The arms that another motion has: they are elsewhere than where the last piece has left them."""
-        if self._frames < _EASED:
+        if not len(self._given):
             return []
         turn = to_rotation_vector(multiply(conjugate(self._given), self._task.present.rotations))
         off = np.linalg.norm(turn, axis=-1)
         return [side for side in _SIDES if max(off[INDEX[f"{side}_{link}"]] for link in _ARM) > _OTHERS]
 
-    def _levels(self, side: str, gap: Array, begun: int, count: int) -> list[float]:
+    def _levels(self, side: str, gap: Array, begun: int) -> list[float]:
         """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n).
 
-        begun: frames of the walk before these. count: of frames that are made, n or fewer.
+        begun: frames of the walk before these.
         """
         levels: list[float] = []
-        for k in range(count):
+        for k in range(len(gap)):
             coming = float(gap[k : k + _SEEN].min())
             enough = _BESIDE if begun + k < self._first else _ENOUGH
             self._wanted[side] = coming < (enough if self._wanted[side] else _LEAST)
