@@ -142,7 +142,7 @@ class Carried:
         wrist, _ = reacher.hand(self.palm)
         way = max(float(np.linalg.norm(ahead)), 1e-9)
         on = float(np.clip((wrist - root) @ ahead / way, 0.0, way))
-        bent = bent_towards(reacher, hips, root + on / way * ahead, self._spine, wrist)
+        bent = bent_towards(reacher, hips, root + on / way * ahead, self._spine, wrist, eases=True)
         return slerp(self._spine, bent, share)
 
     def _about_to_be(self, rotations: Array, root: Array) -> tuple[Array, Array]:

@@ -13,6 +13,7 @@ from ahmss.reaching.reacher import Reacher
 __all__ = ["bent_towards", "wanted_stretch"]
 
 _SPINE = INDEX["spine"]
+_EASIER = 0.82  # the share of its length that an arm keeps on the way, as far as the waist can give it
 _MOST = np.radians(48.0)
 _SOFT = np.radians(8.0)  # the last part of it is approached slowly
 
@@ -24,7 +25,9 @@ def wanted_stretch(stretched: Array) -> Array:
     return np.minimum(stretched, EASY) + span * (1.0 - np.exp(-over / span))
 
 
-def bent_towards(reacher: Reacher, hips: Array, root: Array, spine: Array, wrist: Array) -> Array:
+def bent_towards(
+    reacher: Reacher, hips: Array, root: Array, spine: Array, wrist: Array, *, eases: bool = False
+) -> Array:
     """The spine's rotations (..., 4), hips <- spine, that bring the shoulder as near to a wrist as the arm asks.
 
     The shoulder goes round the waist in the plane of the waist, itself and the wrist: the cosine rule says how far.
@@ -34,6 +37,8 @@ def bent_towards(reacher: Reacher, hips: Array, root: Array, spine: Array, wrist
         hips: (..., 4) world <- hips. root: (..., 3) the hips' place.
         spine: (..., 4) the spine as it is without the reach, hips <- spine.
         wrist: (..., 3) where the wrist shall be, in the world.
+        eases: the waist gives all that the arm would be stretched beyond what is easy, as of who is on the way and has
+            no other help.
     """
     turned = multiply(hips, spine)
     waist = root + rotate(hips, np.broadcast_to(reacher.skeleton.offsets[_SPINE], root.shape))
@@ -41,7 +46,7 @@ def bent_towards(reacher: Reacher, hips: Array, root: Array, spine: Array, wrist
     to_wrist = wrist - waist
     a, b = np.linalg.norm(lever, axis=-1), np.maximum(np.linalg.norm(to_wrist, axis=-1), 1e-6)
     stretched = np.linalg.norm(to_wrist - lever, axis=-1) / reacher.length
-    distance = wanted_stretch(stretched) * reacher.length
+    distance = (np.minimum(stretched, _EASIER) if eases else wanted_stretch(stretched)) * reacher.length
     now = np.arccos(np.clip((lever * to_wrist).sum(axis=-1) / (a * b), -1.0, 1.0))
     then = np.arccos(np.clip((a**2 + b**2 - distance**2) / (2.0 * a * b), -1.0, 1.0))
     angle = _softened(np.maximum(now - then, 0.0))
