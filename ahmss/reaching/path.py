@@ -1,7 +1,7 @@
 """The palm's way: a smooth curve, raised as far as what is in the way of a straight line asks.
 
 Of a family of curves, each lifted differently at either end, the shortest is taken on which hand and forearm stay
-clear.
+clear; a few others, each of another kind, are kept for where the solved arm shows that this one will not do.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import MARGIN, gaps
 from ahmss.reaching.steps import Steps
 
-__all__ = ["Curve", "clear_curve", "curves", "lifted"]
+__all__ = ["Curve", "clear_curves", "curves", "lifted"]
 
 TURNED_BY = 0.62
 """The share of the time by which the hand has its orientation: by then three quarters of the way are done."""
 
 # Metres by which the curve is lifted after the start and before the end.
 _FIRST, _LAST = (0.03, 0.12, 0.25, 0.42, 0.6), (0.02, 0.1, 0.22)
-_BACK = (0.0, 0.18)  # metres by which it goes back first
+_BACK = (0.0, 0.18, 0.36)  # metres by which it goes back first
 _INTO, _NO_LOOP = 0.06, 0.12  # metres by which it arrives along the palm's x; way below which it is less curved
 _UP = np.array([0.0, 0.0, 1.0])
 _SAMPLES = 20
@@ -35,7 +35,8 @@ _EVENLY = np.linspace(0.0, 1.0, 48)
 _SHORTEST, _TINY = 1e-4, 1e-9  # metres
 _LEAVING, _ARRIVING = 0.25, 0.7  # shares of the time
 _AT_ONCE = 10  # curves, that are looked at between two pauses
-_CLOSE = 900.0  # what a square metre of being too near costs, in metres of way
+_CLOSE, _INSIDE = 900.0, 20000.0  # what a square metre of being too near, and of being inside, costs in metres of way
+_KEPT = 5  # curves
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +95,10 @@ def lifted(start: Array, end: Array, first: float, last: float, back: Array | No
     return Curve(points, start[3:7], end[3:7])
 
 
-def clear_curve(
+def clear_curves(
     reacher: Reacher, family: Sequence[Curve], seats: tuple[Array, Array], present: Array, prisms: Sequence[Prism]
-) -> Steps[Curve]:
-    """The curve of a family that costs least: the shortest that stays clear.
+) -> Steps[list[Curve]]:
+    """The curve of a family that costs least, the shortest that stays clear; then some of the others, the best first.
 
     Args:
         reacher: the arm.
@@ -109,32 +110,38 @@ def clear_curve(
     time = np.linspace(0.0, 1.0, _SAMPLES)
     places, lengths = _sampled(np.stack([curve.points for curve in family]), time)
     rising = np.argsort(lengths)
-    if not prisms:
-        return family[rising[0]]
-    turned = family[0].turned(time)
-    best, least = 0, np.inf
-    for first in range(0, len(family), _AT_ONCE):
+    costs = lengths.copy()  # of those that are not looked at what they cost at least
+    turned, least = family[0].turned(time), np.inf
+    for first in range(0, len(family) if prisms else 0, _AT_ONCE):
         some = rising[first : first + _AT_ONCE]
         if lengths[some[0]] >= least:  # what is longer costs more even where it is clear
             break
         if first:
             yield
         palms = np.concatenate([places[some], np.broadcast_to(turned, (len(some), _SAMPLES, 4))], axis=-1)
-        cost = lengths[some] + _CLOSE * _nearness(gaps(reacher, palms, seats, present, prisms), time)
-        i = int(cost.argmin())
-        if cost[i] < least:
-            best, least = some[i], cost[i]
-    return family[best]
+        costs[some] += _nearness(gaps(reacher, palms, seats, present, prisms), time)
+        least = min(least, float(costs[some].min()))
+    return _of_each_kind(family, np.argsort(costs, kind="stable").tolist())
+
+
+def _of_each_kind(family: Sequence[Curve], order: Sequence[int]) -> list[Curve]:
+    """The first of an order, and then the first of each other kind: those that leave alike are one kind."""
+    kinds: dict[tuple[float, ...], Curve] = {}
+    for i in order:
+        points = family[i].points
+        kinds.setdefault(tuple((points[1] - points[0]).round(6).tolist()), family[i])
+    return list(kinds.values())[:_KEPT]
 
 
 def _nearness(between: Array, time: Array) -> Array:
-    """By how much gaps (m, n, 13) to things, at shares of the time (n), are too small: mean squares (m), added up.
+    """What gaps (m, n, 13) to things cost (m), at shares of the time (n), by how much they are too small.
 
     Where a way begins or ends nearer to a thing than the margin, it may be so near there.
     """
     first, last = (np.minimum(between[:, [end]], MARGIN) for end in (0, -1))
     least = np.where(time[:, None] < _LEAVING, first, np.where(time[:, None] > _ARRIVING, last, MARGIN))
-    return (np.maximum(least - between, 0.0) ** 2).mean(axis=1).sum(axis=-1)
+    near, deep = np.maximum(least - between, 0.0), np.maximum(np.minimum(least, 0.0) - between, 0.0)
+    return (_CLOSE * near**2 + _INSIDE * deep**2).mean(axis=1).sum(axis=-1)
 
 
 def _sampled(points: Array, time: Array) -> tuple[Array, Array]:

@@ -1,9 +1,13 @@
-"""A planned reach as frames: the trunk along its way, the arm solved for all frames at once, so that it never flips."""
+"""A planned reach as frames: the trunk along its way, the arm solved for all frames at once.
+
+Where the arm on the plan's way touches things, turns a joint too fast or would have to jump, it is tried on the plan's
+other ways too, and the best of them is taken.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,19 +17,18 @@ from ahmss.body.arm import hand_angles, with_hand
 from ahmss.body.arm_path import Way, follow
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, solve
-from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.links import fingers as fingers_of
-from ahmss.body.quaternion import rotate, slerp
+from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.leaning import looking
 from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import Posture
 from ahmss.reaching.steps import Steps
 
-__all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
+__all__ = ["FASTEST", "SHAPED_BY", "Fingers", "Performed", "perform"]
 
 _LEGS = [
     *range(INDEX["right_upper_leg"], INDEX["right_foot"] + 1),
@@ -39,7 +42,12 @@ SHAPED_BY = 0.8
 Fingers = tuple[list[int], Array]
 """Links of fingers and the rotations (n, 4) that they come to."""
 
-_TRIES, _HIGHER = 3, 0.07  # metres
+FASTEST = np.radians(6.0)
+"""What a joint of the arm turns in a frame at the most, where that can be helped."""
+
+_DEEP, _FAST, _JUMPS = 0.01, np.radians(3.0), 10.0  # metres in things, radians too fast and jumps that are as bad
+_DETOUR = 3.0  # as a metre of way
+_RAISES, _HIGHER = 2, 0.07  # times, metres
 _AIR = 0.002  # metres between the skin and things on the way
 _NEARLY, _FULLY = 0.94, 0.985  # of the arm's length, on the way: from where on it is spared, and what it never is
 _ENDS = 0.15  # of the time, at either end, in which it may be stretched as it is there
@@ -55,6 +63,8 @@ class Performed:
 
     rotations (n, 43, 4): head and spine as before the gaze turns them, the arm as it fits after it. root (n, 3).
     importance (n, 44). targets (n, 5, 8): the hand all the way, planted feet, the gaze. jumps: whether the arm flipped.
+    fastest: radians that a joint of the arm turns from one frame to the next at the most. deep: metres that it is in
+    things on the way.
     """
 
     rotations: Array
@@ -62,6 +72,13 @@ class Performed:
     importance: Array
     targets: Array
     jumps: bool
+    fastest: float
+    deep: float
+
+    @property
+    def flaw(self) -> float:
+        """How bad it is, 0: it is fine."""
+        return _flaw(self.jumps, self.fastest, self.deep)
 
 
 def perform(
@@ -78,24 +95,16 @@ def perform(
     """
     then = _NOTHING_THEN if then is None else then
     body = _carried(plan, np.concatenate([time, np.ones(len(then))]), gaze, looked, fingers)
-    asked = _asked(plan, body, then)
-    yield
-    arm = _reached(plan, body, asked, len(time))
-    yield
-    others = [prism for prism in plan.near if not prism.sought]
-    depth = _touch(plan.reacher, others, body, arm, len(time)) if others else 0.0
-    for _ in range(_TRIES):
-        if depth <= 0.0:
-            break
+    best = yield from _solved(plan, body, then)
+    ways, raises = plan.otherwise(), _RAISES
+    while best.flaw > 0.0 and (ways or raises):
         yield
-        plan = plan.raised(_HIGHER)
-        higher = _reached(plan, body, _asked(plan, body, then), len(time))
-        yield
-        before, depth = depth, _touch(plan.reacher, others, body, higher, len(time))
-        if depth >= before:
-            break  # what is in the way is not below: a detour would spare nothing
-        arm = higher
-    return _performed(plan, body, arm, gaze, looked, fingers[0])
+        way = ways.pop(0) if ways else None
+        arm = yield from _solved(way or best.plan.raised(_HIGHER), body, then)
+        before, best = best, min(best, arm, key=lambda one: one.flaw + _DETOUR * one.plan.curve.length)
+        if way is None:  # higher, for as long as that helps
+            raises = 0 if best is before else raises - 1
+    return _performed(best, body, gaze, looked, fingers[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,11 +123,22 @@ class _Body:
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
-    """Its links (F, 3, 4), the palms (F, 7) that it has, and whether it flips."""
+    """The plan that it follows, its links (F, 3, 4), the palms (F, 7) that it has, and the rest as of `Performed`."""
 
+    plan: Plan
     links: Array
     palms: Array
     jumps: bool
+    fastest: float
+    deep: float = 0.0
+
+    @property
+    def flaw(self) -> float:
+        return _flaw(self.jumps, self.fastest, self.deep)
+
+
+def _flaw(jumps: bool, fastest: float, deep: float) -> float:
+    return max(deep, 0.0) / _DEEP + max(fastest - FASTEST, 0.0) / _FAST + _JUMPS * jumps
 
 
 def _carried(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers) -> _Body:
@@ -138,6 +158,17 @@ def _asked(plan: Plan, body: _Body, then: Array) -> Array:
     return _within_reach(plan.reacher, palms, body.spine, body.time)
 
 
+def _solved(plan: Plan, body: _Body, then: Array) -> Steps[_Arm]:
+    """The arm on a plan's way, and then after palms (m, 7) that follow."""
+    n = len(body.time) - len(then)
+    arm = _reached(plan, body, _asked(plan, body, then), n)
+    near = [prism for prism in plan.near if not prism.sought]
+    if not near:
+        return arm
+    yield
+    return replace(arm, deep=_touch(plan.reacher, near, body, arm, n))
+
+
 def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> _Arm:
     """The arm after palms (F, 7), of which the first n are on the way."""
     reacher = plan.reacher
@@ -146,11 +177,13 @@ def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> _Arm:
     links, own = _slowed(way, n)
     if own.any():  # on the way a hand is turned as its joints allow, not as the shortest turn would have it
         palms = np.where(own[:, None], reacher.palm(links, body.spine), palms)
-    return _Arm(reacher.arm.into_pose(links), palms, bool(way.jumps.any()))
+    before = np.concatenate([present[None], links[:-1]])
+    steps = np.linalg.norm(to_rotation_vector(multiply(conjugate(before), links)), axis=-1)
+    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), float(steps.max()))
 
 
-def _performed(plan: Plan, body: _Body, arm: _Arm, gaze: Array, looked: Array, fingers: list[int]) -> Performed:
-    reacher, n = plan.reacher, len(body.time)
+def _performed(arm: _Arm, body: _Body, gaze: Array, looked: Array, fingers: list[int]) -> Performed:
+    plan, reacher, n = arm.plan, arm.plan.reacher, len(body.time)
     rotations, root, seen = body.trunk.rotations, body.trunk.root, body.seen
     rotations[:, reacher.links] = seen[:, reacher.links] = arm.links
     if plan.helped:
@@ -170,7 +203,8 @@ def _performed(plan: Plan, body: _Body, arm: _Arm, gaze: Array, looked: Array, f
         importance[reacher.other] = _OTHER
         if plan.standing is not None:
             importance[[0, 43, *_LEGS]] = 1.0
-    return Performed(rotations, root, np.repeat(importance[None], n, axis=0), targets, arm.jumps)
+    importance = np.repeat(importance[None], n, axis=0)
+    return Performed(rotations, root, importance, targets, arm.jumps, arm.fastest, arm.deep)
 
 
 def _slowed(way: Way, n: int) -> tuple[Array, Any]:
@@ -216,15 +250,10 @@ def _touch(reacher: Reacher, prisms: Sequence[Prism], body: _Body, arm: _Arm, n:
 
     Towards either end it may be as near as it is there.
     """
-    skeleton, seen = reacher.skeleton, body.seen[:n].copy()
+    seen = body.seen[:n].copy()
     seen[:, reacher.links] = arm.links[:n]
-    places, turned = forward(seen, body.trunk.root[:n], skeleton.offsets)
-    links = [reacher.links.start + 1, *fingers_of(reacher.side)]
-    ends = places[:, links] + rotate(turned[:, links], skeleton.tips[links])
-    middles = 0.5 * (places[:, links] + ends)
-    radii = skeleton.radii[links]
-    gap = clearance(prisms, np.stack([places[:, links], middles, ends]), _AIR + float(radii.max())) - radii
-    gap = gap.min(axis=0)
+    points, radii = skin_of(reacher, seen, body.trunk.root[:n])
+    gap = clearance(prisms, points, _AIR + float(radii.max())) - radii
     time = np.arange(1, n + 1) / n
     first, last = np.minimum(gap[0], _AIR), np.minimum(gap[-1], _AIR)
     least = np.where(time[:, None] < 0.2, first, np.where(time[:, None] > 0.75, last, _AIR))

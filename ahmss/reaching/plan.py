@@ -17,9 +17,10 @@ from ahmss.reaching.comfort import across
 from ahmss.reaching.duration import reach_time
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.leaning import EASY, Stretch, looking, posture_for, stretch_of
-from ahmss.reaching.path import Curve, clear_curve, curves
-from ahmss.reaching.prism import Prism, in_the_way
+from ahmss.reaching.path import Curve, clear_curves, curves
+from ahmss.reaching.prism import Prism, in_the_way, over_hand
 from ahmss.reaching.reacher import Reacher, heading_of, seat
+from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.steps import Steps
 from ahmss.reaching.waist import bent_towards
@@ -45,7 +46,8 @@ class Plan:
 
     reacher: the arm. standing: None where the hips stay. start, end: postures (43, 4), (3,), the arm as at the start.
     hands (2, 7): the palms at the start, as they are shown. palm (7,): where the one comes to. curve: its way.
-    arm: how it then is. leant: radians that hips or spine turn. near: what is to be kept clear of.
+    arm: how it then is. leant: radians that hips or spine turn. near: what is to be kept clear of. others: ways for
+    where the arm itself does not keep clear on this one, or would have to flip, the best first.
     """
 
     reacher: Reacher
@@ -58,6 +60,7 @@ class Plan:
     arm: Stretch
     leant: float
     near: Sequence[Prism]
+    others: Sequence[Curve] = ()
 
     @property
     def helped(self) -> bool:
@@ -70,9 +73,13 @@ class Plan:
         turn = _angle(self.curve.start, self.curve.end)
         return reach_time(self.curve.length, turn, self.leant)
 
+    def otherwise(self) -> list[Plan]:
+        """The same by its other ways."""
+        return [replace(self, curve=curve) for curve in self.others]
+
     def raised(self, by: float) -> Plan:
         """The same by a way that is so much higher, metres."""
-        points = self.curve.points + np.array([[0.0], [1.5], [1.0], [0.0]]) * np.array([0.0, 0.0, by])
+        points = self.curve.points + np.array([[0.0], [1.0], [1.0], [0.0]]) * np.array([0.0, 0.0, by])
         return replace(self, curve=replace(self.curve, points=points))
 
     def trunk(self, time: Array) -> Posture:
@@ -160,22 +167,31 @@ class Reaching:
         start = hands[reacher.row]
         leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
         family = curves(start, palm, self.heading)
-        near = in_the_way(prisms, self.start.root, start[:3], palm[:3])
+        near = self._near(reacher, prisms, palm)
         plan = Plan(reacher, self.standing, self.start, end, hands, palm, family[0], arm, leant, near)
         trunk = plan.trunk(np.linspace(0.0, 1.0, _SAMPLES))
         seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
         seats = seat(self.skeleton, seen, trunk.root)
         yield
-        curve = yield from clear_curve(reacher, family, seats, self.present(reacher), near)
-        return replace(plan, curve=curve)
+        curve, *others = yield from clear_curves(reacher, family, seats, self.present(reacher), near)
+        return replace(plan, curve=curve, others=others)
 
     def set_out(self, plan: Plan, gaze: Array, looked: float) -> Plan:
         """The plan of a hand that sets out when the gaze (3,) has turned so much of its way, the trunk with it."""
         hands = self._hands(gaze, looked)
         start = hands[plan.reacher.row]
         moved = np.array([[1.0], [1.0], [0.0], [0.0]]) * (start[:3] - plan.curve.points[0])
-        curve = replace(plan.curve, points=plan.curve.points + moved, start=start[3:])
-        return replace(plan, hands=hands, curve=curve)
+        curve, *others = (
+            replace(curve, points=curve.points + moved, start=start[3:]) for curve in (plan.curve, *plan.others)
+        )
+        return replace(plan, hands=hands, curve=curve, others=others)
+
+    def _near(self, reacher: Reacher, prisms: Sequence[Prism], palm: Array) -> list[Prism]:
+        """What a hand on its way to a palm (7,) is to keep clear of."""
+        points, radii = skin_of(reacher, self.start.rotations, self.start.root)
+        near = in_the_way(prisms, self.start.root, palm[:3])
+        over = (over_hand(prism, self.start.root, points, radii) for prism in near)
+        return [prism for prism in over if prism is not None]
 
     def _hands(self, gaze: Array, looked: float) -> Array:
         """The palms (2, 7) as they are shown before anything moves but the gaze."""

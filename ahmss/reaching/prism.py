@@ -6,7 +6,7 @@ A table is a block of its own height: a hand goes over its top, not through it, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -15,9 +15,11 @@ import shapely
 
 from ahmss.body.array import Array
 
-__all__ = ["Prism", "clearance", "in_the_way"]
+__all__ = ["Prism", "clearance", "in_the_way", "over_hand"]
 
 _NEAR = 1.5  # metres from a human's middle beyond which nothing is in a hand's way
+_UNDER = 0.15  # metres: how far under a thing's edge a hand comes out again sideways
+_RISES, _LID = 0.02, 0.04  # metres: by which a hand may rise under it; how thick what is over it is at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,14 @@ class Prism:
         low, high = self._made.box
         off = np.maximum(np.maximum(low - points, points - high), 0.0)
         return np.sqrt(np.einsum("ni,ni->n", off, off))
+
+    def over(self, points: Array) -> Any:
+        """Whether points (n, 2) or (n, 3) are within its outline, seen from above."""
+        return shapely.contains_xy(self._made.shape, points[:, 0], points[:, 1])
+
+    def from_outline(self, points: Array) -> Array:
+        """How far points (n, 3) are from its outline's line, level."""
+        return np.asarray(shapely.distance(self._made.boundary, shapely.points(points[:, :2])), np.float64)
 
     @cached_property
     def _made(self) -> _Made:
@@ -94,3 +104,18 @@ def in_the_way(prisms: Sequence[Prism], middle: Array, *ends: Array) -> list[Pri
         if prism.at_least(level[None])[0] < _NEAR and (clearance([prism], np.stack(ends)) > 0.0).all():
             kept.append(prism)
     return kept
+
+
+def over_hand(prism: Prism, middle: Array, points: Array, radii: Array) -> Prism | None:
+    """What of a thing is in the way of a hand with skin of such radii (n) around points (n, 3).
+
+    All of it, but where the hand is in its prism: a hand under the edge of a table comes out as it came in,
+    what is over it is in its way. Nothing of what one is in or sits on oneself, seen from the middle (3,) of the body,
+    or has a hand deep in, as in a basin: None.
+    """
+    inside = prism.over(points) & (points[:, 2] < prism.high) & (points[:, 2] > prism.low)
+    if not inside.any():
+        return prism
+    if prism.over(middle[None])[0] or prism.from_outline(points[inside]).max() > _UNDER:
+        return None
+    return replace(prism, low=min(float((points[:, 2] + radii)[inside].max()) + _RISES, prism.high - _LID))

@@ -11,18 +11,20 @@ from ahmss.body.arm import hand_angles, with_hand
 from ahmss.body.arm_choice import present_side
 from ahmss.body.arm_swing import HAND, limits_of, swing_of
 from ahmss.body.array import Array
-from ahmss.body.links import INDEX
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import multiply, rotate
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["MARGIN", "gaps"]
+__all__ = ["MARGIN", "gaps", "skin_of"]
 
 MARGIN = 0.02
 """Metres of air that hand and forearm keep."""
 
 _FOREARM = np.linspace(0.0, 1.0, 5)[:, None]
 _RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.034])  # metres, from the elbow to the wrist
+_ALONG = (0.0, 0.5, 1.0)  # of a link
 _X = np.array([1.0, 0.0, 0.0])
 
 
@@ -53,6 +55,20 @@ def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Ar
     hand = place[..., None, :] + rotate(rotation[..., None, :], points)
     radii = np.concatenate([_RADII, radii])
     return clearance(prisms, np.concatenate([forearm, hand], axis=-2), MARGIN + float(radii.max())) - radii
+
+
+def skin_of(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """Points (..., n, 3) in forearm, hand and fingers of poses (..., 43, 4), and how thick skin is around them (n,)."""
+    skeleton, links = reacher.skeleton, _links(reacher.side)
+    places, turned = forward(rotations, root, skeleton.offsets)
+    steps = rotate(turned[..., links, :], skeleton.tips[links])
+    points = [places[..., links, :] + share * steps for share in _ALONG]
+    return np.concatenate(points, axis=-2), np.tile(skeleton.radii[links], len(_ALONG))
+
+
+@lru_cache(maxsize=16)
+def _links(side: str) -> list[int]:
+    return [INDEX[f"{side}_lower_arm"], INDEX[f"{side}_hand"], *fingers(side)]
 
 
 @lru_cache(maxsize=16)

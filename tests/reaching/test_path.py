@@ -8,7 +8,7 @@ import pytest
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.skeleton import Skeleton
-from ahmss.reaching.path import Curve, clear_curve, curves
+from ahmss.reaching.path import Curve, clear_curves, curves
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import MARGIN, gaps
@@ -35,7 +35,7 @@ def block(x: float, high: float) -> Prism:
 
 def chosen(prisms: list[Prism]) -> Curve:
     seats: tuple[Array, Array] = SEATS[0], SEATS[1]
-    return finished(clear_curve(REACHER, family(), seats, PRESENT, prisms))
+    return finished(clear_curves(REACHER, family(), seats, PRESENT, prisms))[0]
 
 
 def near(curve: Curve, prism: Prism) -> float:
@@ -59,3 +59,15 @@ def test_over_an_edge_it_is_as_long_as_it_must_be() -> None:
     assert near(curve, table) > 0.5 * MARGIN
     clear = [one.length for one in family() if near(one, table) > MARGIN]
     assert curve.length <= min(clear) + 1e-9
+
+
+def test_the_others_leave_each_in_its_own_way() -> None:
+    """For where the solved arm does not keep clear: none of them leaves as another does, and the best comes first."""
+    found = finished(
+        clear_curves(REACHER, family(), (SEATS[0], SEATS[1]), PRESENT, [block(0.12, float(FROM[2]) + 0.08)])
+    )
+    leaving = np.array([curve.points[1] for curve in found])
+    apart = np.linalg.norm(leaving[:, None] - leaving, axis=-1) + np.eye(len(found))
+    assert len(found) > 3
+    assert apart.min() > 0.02
+    assert found[0].length == pytest.approx(chosen([block(0.12, float(FROM[2]) + 0.08)]).length)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.reaching.prism import Prism, clearance, in_the_way
+from ahmss.reaching.prism import Prism, clearance, in_the_way, over_hand
 
 SQUARE = np.array([[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]])
 BLOCK = Prism(SQUARE, 0.0, 0.9)
@@ -34,6 +34,27 @@ def test_what_a_hand_comes_into_or_is_in_is_not_in_its_way() -> None:
     assert in_the_way([BLOCK], here, over) == [BLOCK]
     assert in_the_way([BLOCK], here, over, inside) == []
     assert in_the_way([BLOCK], np.array([-2.0, 0.0]), over) == []
+
+
+def test_a_hand_under_an_edge_comes_out_sideways() -> None:
+    """What is over it is in its way, from a little above it up to the top; all of a thing that it is beside or over."""
+    here, radii = np.array([0.6, 0.0, 0.9]), np.array([0.03, 0.01])
+    under = np.array([[0.9, 0.0, 0.8], [1.1, 0.0, 0.7]])
+    lid = over_hand(BLOCK, here, under, radii)
+    assert lid is not None
+    assert (lid.low, lid.high) == (pytest.approx(0.73), 0.9)
+    assert lid.signed(np.array([1.1, 0.0, 0.7])) > 0.0 > lid.signed(np.array([1.1, 0.0, 0.75]))
+    beside, above = under - np.array([0.2, 0.0, 0.0]), under + np.array([0.0, 0.0, 0.3])
+    assert over_hand(BLOCK, here, beside, radii) is over_hand(BLOCK, here, above, radii) is BLOCK
+    nearly_in_it = over_hand(BLOCK, here, under + np.array([0.0, 0.0, 0.19]), radii)
+    assert nearly_in_it is not None
+    assert nearly_in_it.low == pytest.approx(0.86)
+
+
+def test_what_one_is_in_or_has_a_hand_deep_in_is_not_in_its_way() -> None:
+    under, radii = np.array([[1.1, 0.0, 0.7]]), np.array([0.01])
+    assert over_hand(BLOCK, np.array([1.5, 0.0, 0.5]), under, radii) is None
+    assert over_hand(BLOCK, np.array([0.6, 0.0, 0.9]), under + np.array([0.2, 0.0, 0.0]), radii) is None
 
 
 def test_distances_are_exact_where_they_are_asked_for() -> None:
