@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import partial
 
 import msgspec
 import numpy as np
 
-from ahmss.algorithm.company import aside_of
+from ahmss.algorithm.company import Watching, aside_of, settled
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.pose import HumanPose
 from ahmss.algorithm.reaching import HEAD
 from ahmss.algorithm.stepping import ground_of, rows_of, walk_library
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT
+from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX, LINKS
-from ahmss.body.quaternion import align, slerp
+from ahmss.body.quaternion import align, rotate, slerp
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.planting import feet
@@ -28,39 +30,49 @@ __all__ = ["FACING", "again", "come_to", "go_to", "walkers"]
 FACING = np.radians(25.0)
 """How far aside somebody may be whom one still faces."""
 
+_STANDS = (40, 0.03)  # frames, metres: who has moved no more than that stands
+_LOOKS, _WAITS = 3.3, 12.0  # seconds that one looks whether they come, who look a while as well; until they stand
+_GLANCE = 10  # frames in which one sees whether they walk
+_BESIDE = np.radians([40.0, 125.0])  # to the side, of who stands beside one
+_HALF_TURNED = np.radians(25.0)  # to each other, of two who stand side by side
 _MISSED = 3  # frames for which who moves may not have been seen
 _TRIES = 3  # who comes to somebody who walks meanwhile comes after them
 _ARM = ("upper_arm", "lower_arm", "hand")
 
 
 def come_to(
-    task: HumanTask, whom: WorldObject, apart: tuple[float, float, float], aside: float = 0.0
-) -> Iterator[Array]:
+    task: HumanTask,
+    whom: WorldObject,
+    apart: tuple[float, float, float],
+    *,
+    beside: bool = False,
+    courteous: bool = True,
+) -> Iterator[Array | HumanPose]:
     """The frames in which one comes to stand before somebody and faces them; none where one does already.
 
-    A hand that holds something stays as it is against the trunk.
+    Who walks is waited for until they stand. Of two who would come to each other at once one looks first whether the
+    other sets out, as where they stand decides, which both see. A hand that holds something stays as it is against the
+    trunk.
 
     Args:
         task: with a walk library as the action's motion.
         whom: to whom.
         apart: metres between the two: the least that will do, what is aimed at, the most that will do.
-        aside: radians by which one faces past them, to the left: who stands side by side looks the same way.
+        beside: side by side with them instead, looking the same way.
+        courteous: look first whether they come.
 
     Raises:
         AlgorithmError: there is no way, or one does not stand.
     """
-    least, aimed, most = apart
-    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
-    held = held if task.busy else []
+    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy or "-")) and link.endswith(_ARM)]
     for _ in range(_TRIES):
-        here, _ = floor_frame(task.present.rotations, task.present.root)
-        way = (whom.place - here)[:2]
-        distance = float(np.hypot(*way))
-        near = least <= distance <= most
-        if near and abs(aside_of(task, whom.place) + aside) <= FACING:
+        if _is_there(task, whom, apart, beside=beside):
             return
-        place = here[:2] if near else whom.place[:2] - aimed * way / max(distance, 1e-6)
-        facing = float(np.arctan2(*(whom.place[:2] - place)[::-1])) + aside
+        if not apart[0] <= _distance(task, whom) <= apart[2]:
+            yield from _look_first(task, whom, apart, beside=beside, courteous=courteous)
+            if _is_there(task, whom, apart, beside=beside):
+                return
+        place, facing = _goal(task, whom, apart, beside=beside)
         trip = Trip(
             task.human, walk_library(task), ground_of(task), place, facing, others=partial(walkers, task),
             note=task.note,
@@ -69,6 +81,55 @@ def come_to(
             rows = rows_of(task, piece)
             rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
             yield rows
+
+
+def _distance(task: HumanTask, whom: WorldObject) -> float:
+    here, _ = floor_frame(task.present.rotations, task.present.root)
+    return float(np.hypot(*(whom.place - here)[:2]))
+
+
+def _is_there(task: HumanTask, whom: WorldObject, apart: tuple[float, float, float], *, beside: bool) -> bool:
+    """Whether one stands as one should to them."""
+    aside = abs(aside_of(task, whom.place))
+    faces = _BESIDE[0] <= aside <= _BESIDE[1] if beside else aside <= FACING
+    return faces and apart[0] <= _distance(task, whom) <= apart[2]
+
+
+def _goal(
+    task: HumanTask, whom: WorldObject, apart: tuple[float, float, float], *, beside: bool
+) -> tuple[Array, float]:
+    """Where to stand (2,), and which way to face."""
+    here, _ = floor_frame(task.present.rotations, task.present.root)
+    way = (whom.place - here)[:2]
+    if beside:
+        left = rotate(whom.rotation, np.array([0.0, 1.0, 0.0]))[:2]
+        side = -1.0 if float(left @ way) > 0.0 else 1.0  # the nearer of their sides
+        heading = 2.0 * float(np.arctan2(whom.rotation[3], whom.rotation[0]))
+        return whom.place[:2] + side * apart[1] * left, heading - side * _HALF_TURNED
+    near = apart[0] <= float(np.hypot(*way)) <= apart[2]
+    place = here[:2] if near else whom.place[:2] - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
+    return place, float(np.arctan2(*(whom.place[:2] - place)[::-1]))
+
+
+def _look_first(
+    task: HumanTask, whom: WorldObject, apart: tuple[float, float, float], *, beside: bool, courteous: bool
+) -> Iterator[HumanPose]:
+    """Frames in which one stands and looks at them, until they stand, or have come."""
+    here, _ = floor_frame(task.present.rotations, task.present.root)
+    second = courteous and (here[0], here[1]) > (whom.place[0], whom.place[1])
+    watching, track = Watching(task, whom), deque[Array](maxlen=_STANDS[0])
+    importance = np.zeros(44)
+    importance[INDEX["head"]] = 1.0
+    for k in range(1, round(_WAITS * task.rate)):
+        if _is_there(task, whom, apart, beside=beside):
+            return
+        still = settled(track, _STANDS[0] if second else _GLANCE, _STANDS[1])
+        if still and (not second or k > _LOOKS * task.rate):
+            return
+        targets = np.zeros((5, 8))
+        targets[GAZE] = watching.gaze(0.0, 0.0, k)
+        yield task.pose({}, None, importance, targets)
+        track.append(np.concatenate([whom.place, whom.rotation]))  # who sets out may turn first
 
 
 def go_to(task: HumanTask, rotations: Array, root: Array, seconds: float) -> Iterator[Array]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import Affordance, ObjectKind
 from ahmss.database.statefile import HELD, ONESELF
@@ -20,6 +22,8 @@ from ahmss.main.description import Scene
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Actor", "Meant", "meant", "offered", "reach", "why_not"]
+
+_AHEAD = 0.1  # metres that an arm which reaches ahead comes less high than one that is straight up
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +39,16 @@ class Actor:
 
 @dataclass(frozen=True, slots=True)
 class Meant:
-    """What an action of an object comes to: the object that affords it, itself or one that it contains."""
+    """What an action of an object comes to: the object that affords it, itself or one that it contains.
+
+    pose: (7,) where that is now.
+    """
 
     name: str
     record: ObjectRecord
     kind: ObjectKind
     affordance: Affordance
+    pose: Array
 
 
 def meant(workspace: Workspace, scene: Scene, name: str, action: str) -> Meant:
@@ -57,7 +65,7 @@ def meant(workspace: Workspace, scene: Scene, name: str, action: str) -> Meant:
         actions = ", ".join(kind.affordances) or "nothing"
         raise CommandError(f'{name} does not afford "{action}"; it affords: {actions}')
     if not affordance.of:
-        return Meant(name, record, kind, affordance)
+        return Meant(name, record, kind, affordance, scene.pose(name))
     inner = f"{name}/{affordance.of}"
     if inner not in scene.objects:
         raise CommandError(f"{name} {action}: its {affordance.of} is not in the world any more")
@@ -77,7 +85,7 @@ def why_not(what: Meant, actor: Actor, title: str = "") -> str:
         shown = states | {name: value for name, value in known.items() if name in asked}
         now = ", ".join(f"{name} is {value}" for name, value in shown.items()) or "it has no states"
         return f"{title}: only when {affordance.when.text}; {now}"
-    lacks = _lacks(affordance, actor)
+    lacks = _lacks(affordance, actor) or ("" if mine else _too_high(what, actor))
     if lacks:
         return f"{title}: {lacks}"
     if affordance.hold in ("keep", "release") and not mine:
@@ -117,6 +125,19 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
     return ""
 
 
+def _too_high(what: Meant, actor: Actor) -> str:
+    """Why the hand does not come so high as where the object stands now, or ""; only what takes a hand is asked."""
+    site = what.kind.sites.get(what.affordance.site or "")
+    if site is None or what.affordance.needs.get("free_hands", 0.0) <= 0.0:
+        return ""
+    height = float((what.pose[:3] + rotate(what.pose[3:], np.array(site.position)))[2])
+    most = reach(actor.skeleton) - _AHEAD
+    if height <= most:
+        return ""
+    return f"it is {height:.2f} m high there; {actor.name} reaches {most:.2f} m"
+
+
+@lru_cache(maxsize=64)
 def reach(skeleton: Skeleton) -> float:
     """How high the palm reaches with a raised arm, metres."""
     rotations, root = skeleton.upright()

@@ -12,7 +12,7 @@ from ahmss.algorithm.messages import FRAME_OBJECT, HEADER, Kind, State, size
 from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
-from ahmss.errors import AhmssError, Unreachable, WorldError
+from ahmss.errors import AhmssError, CommandError, Unreachable, WorldError
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
 from ahmss.main.company import met, numbers, rows_of_sites
@@ -26,6 +26,7 @@ from ahmss.world.link import Pending
 __all__ = ["Control"]
 
 _HUMAN = 190  # float64 of a FRAME without an object
+_SEEN = 6  # frames after which it is seen who was first
 _RELUCTANT = 5.0  # seconds that a hand which has closed on what it is given waits for the other to let go
 
 
@@ -223,6 +224,8 @@ class Control:
         try:
             if order.act.follows:  # what hand is meant may have been decided by what came before
                 motion.order = order = self._database.order(order.act, seen, actor)
+            if self._waits(motion):
+                return
             self._database.check(order, seen, actor)
             motion.mover = self._claim(order)
             self._carry(motion)
@@ -238,6 +241,26 @@ class Control:
         motion.company = met(start)
         motion.k = 1
         motion.process.ask(self._frame(1, None, NOTHING))
+
+    def _waits(self, motion: Motion) -> bool:
+        """Whether what it is about is another's now, and it waits until it is let go.
+
+        Raises:
+            CommandError: it has waited long enough.
+        """
+        order, holder = motion.order, ""
+        record = self._communication.world.objects.get(order.object)
+        if record is not None and not order.whom and order.object not in self._movers:
+            holder = record.holder if record.holder != self._communication.human else ""
+        if not holder or not _wants_free(order):
+            return False
+        if motion.waited >= order.patience * self._rate:
+            after = f"; waited {order.patience:g} s" if motion.waited else ""
+            raise CommandError(f"{order.title}: {order.object} is held by {holder}{after}")
+        if not motion.waited:
+            self._note(f"{order.title}: waits for {holder}, who has {order.object}")
+        motion.waited += 1
+        return True
 
     def _carry(self, motion: Motion) -> None:
         """Of motions made together the one that takes the body elsewhere has its legs; once carried, always carried."""
@@ -290,9 +313,26 @@ class Control:
             except Unreachable:  # the connection broke before the answer: ask again
                 mover.claim = self._communication.claim(mover.name, mover.order.hand if mover.takes else "")
             except AhmssError as error:
-                self._refuse(mover, str(error))
+                if not self._wait_again(mover, str(error)):
+                    self._refuse(mover, str(error))
             else:
                 mover.knows = known(record.id for record in start.world)
+
+    def _wait_again(self, mover: Mover, reason: str) -> bool:
+        """Whether a claim came second by a hair, and its motion waits now: then it begins anew."""
+        motions = [motion for motion in self._motions if motion.mover is mover]
+        if len(motions) != 1 or f"{mover.name} is held by" not in reason:
+            return False
+        motion = motions[0]
+        if motion.waited >= motion.order.patience * self._rate:
+            return False
+        if motion.process is not None:
+            motion.process.stop()
+        motion.process = motion.mover = motion.given = None
+        motion.k, motion.countdown = 0, _SEEN
+        self._silence(mover)
+        self._forget(mover)
+        return True
 
     # From hand to hand
 
@@ -533,6 +573,15 @@ class Control:
     def _forget(self, mover: Mover) -> None:
         if self._movers.get(mover.name) is mover:
             del self._movers[mover.name]
+
+
+def _wants_free(order: Order) -> bool:
+    """Whether an action is one of what nobody else has: it moves the object, or asks who holds it."""
+    affordance = order.affordance
+    if affordance.hold in ("keep", "release"):
+        return False
+    asks = affordance.when is not None and any(clause.state == HELD for clause in affordance.when.clauses())
+    return asks or order.object_algorithm is not None
 
 
 def _refusal(pending: Pending) -> str:

@@ -31,6 +31,10 @@ from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
 
+PATIENCE = "patience"
+"""What may be said of every action: seconds that one waits for what another has."""
+
+_PATIENCE, _MOST_PATIENCE = 10.0, 3600.0  # seconds: where nobody says, and at the most
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
 _AT_IT = 0.2  # metres from an object within which a palm is at it
 _ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
@@ -52,6 +56,7 @@ class Order:
     parameters: dict[str, Any]
     object_parameters: dict[str, Any]
     whom: str = ""  # the other human, of what changes hands
+    patience: float = 0.0  # seconds that one waits for what another has
 
     @property
     def wish(self) -> bool:
@@ -110,6 +115,8 @@ class Database:
         title = f"{name} {act.action}"
         _refuse_unknown(title, act.parameters, affordance, human, entry)
         given = {**affordance.parameters, **dict(act.parameters)}
+        if PATIENCE not in (human.parameters or {}):  # it is main's own
+            given.pop(PATIENCE, None)
         try:
             parameters = fill(human.parameters, given)
             object_parameters = fill(entry.parameters, given) if entry else {}
@@ -121,7 +128,7 @@ class Database:
         goal = self._goal(act, scene, scene.pose(name))
         return Order(
             act, name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
-            parameters, object_parameters,
+            parameters, object_parameters, patience=_patience(title, act, parameters),
         )  # fmt: skip
 
     def check(self, order: Order, scene: Scene, actor: Actor) -> None:
@@ -138,7 +145,9 @@ class Database:
             raise CommandError(f"{order.title}: {name} is gone")
         record = scene.objects[name]
         kind = self.workspace.objects.get(record.kind)
-        reason = why_not(Meant(name, record, kind, order.affordance), actor, order.title)
+        site = kind.affordances[order.affordance.name].site if order.whom else order.affordance.site
+        affordance = msgspec.structs.replace(order.affordance, site=site)
+        reason = why_not(Meant(name, record, kind, affordance, scene.pose(name)), actor, order.title)
         if reason:
             raise CommandError(reason)
         if order.affordance.hold == GIVE:
@@ -271,7 +280,7 @@ def _refuse_unknown(
     declared = [entry.parameters for entry in (human, mover) if entry is not None]
     if any(parameters is None for parameters in declared):
         return
-    known = {*affordance.parameters, *(name for parameters in declared for name in parameters or {})}
+    known = {PATIENCE, *affordance.parameters, *(name for parameters in declared for name in parameters or {})}
     for name, _ in typed:
         if name not in known:
             raise CommandError(f'{title}: no parameter "{name}"; it takes: {", ".join(sorted(known)) or "none"}')
@@ -306,6 +315,14 @@ def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str
     hand = "left" if float((pose[:3] - actor.root) @ left) > _ASIDE else "right"
     other = "right" if hand == "left" else "left"
     return other if hand in busy and other not in busy else hand
+
+
+def _patience(title: str, act: Act, parameters: dict[str, Any]) -> float:
+    """Seconds that one waits for what another has."""
+    value = dict(act.parameters).get(PATIENCE, _PATIENCE) if PATIENCE not in parameters else _PATIENCE
+    if not isinstance(value, int | float) or not 0.0 <= value <= _MOST_PATIENCE:
+        raise CommandError(f'{title}: patience "{value}" is no number of seconds; allowed: 0 to {_MOST_PATIENCE:g}')
+    return float(value)
 
 
 def _free_hand(actor: Actor) -> str:

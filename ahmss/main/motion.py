@@ -108,6 +108,7 @@ class Motion:
         company: the humans that it is about.
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
+        waited: for how many frames another has had what it is about.
     """
 
     def __init__(self, order: Order, number: int, follows: Motion | None = None) -> None:
@@ -123,7 +124,7 @@ class Motion:
         self.carried = False
         self.over = False
         self.failed = False
-        self.held = 0
+        self.held = self.waited = 0
 
     @property
     def carries(self) -> bool:

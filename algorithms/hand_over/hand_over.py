@@ -44,7 +44,7 @@ def hand_over(task: HumanTask) -> Iterator[Array | HumanPose]:
     whom, side = task.goal_object, task.hand or "right"
     if whom is None or task.object is None:
         raise AlgorithmError("hand over what, and to whom?")
-    yield from come_to(task, whom, APART)
+    yield from come_to(task, whom, APART, courteous=False)
     begun = again(task)
     watching = Watching.of(begun)
     assert watching is not None

@@ -1,7 +1,7 @@
 """Talking: one stands with somebody, looks at them and now and then away, and nods a little.
 
 People who talk face to face stand about 1.2 m apart (Hall 1966: personal distance, 0.75 to 1.2 m); side by side they
-are nearer and turned to each other by half. Who listens looks at the other most of the time, in glances of some
+are nearer, and turned to each other a little. Who listens looks at the other most of the time, in glances of some
 seconds with shorter ones away (Argyle & Cook 1976, both from memory); the small nods are judged.
 """
 
@@ -22,7 +22,6 @@ from ahmss.motion.easing import minimum_jerk
 
 FACE_TO_FACE = (0.9, 1.1, 1.25)  # metres: the least, what is aimed at, the most
 BESIDE = (0.6, 0.75, 0.95)
-HALF_TURNED = np.radians(50.0)  # from the other, to the right: both then look half ahead
 LOOKS, AWAY, MOVES = (2.5, 5.0), (0.6, 1.2), 0.35  # seconds
 ASIDE = np.radians(16.0)
 NODS, NOD = (1.5, 4.0), 0.55  # seconds between, and of each
@@ -35,7 +34,7 @@ def talk(task: HumanTask) -> Iterator[Array | HumanPose]:
     if whom is None or whom.kind != "human":
         raise AlgorithmError("talk to whom? name another human")
     beside = task.parameter("beside", False)
-    yield from come_to(task, whom, BESIDE if beside else FACE_TO_FACE, HALF_TURNED if beside else 0.0)
+    yield from come_to(task, whom, BESIDE if beside else FACE_TO_FACE, beside=beside)
     watching = Watching(task, whom)
     n = round(task.parameter("seconds", 6.0) * task.rate)
     yaw, pitch = _glances(task, n), _nods(task, n)

@@ -98,7 +98,7 @@ def test_two_do_not_sit_on_one_chair(tmp_path: Path, capfd: pytest.CaptureFixtur
     there = "at 1.80 0.2 facing 180"
     failures = failing(
         tmp_path, f"human ken body ken {there}", f"human aiko body aiko {there}", "ken: do chair sit", "sync",
-        "aiko: do chair sit", "sync", "ken: do chair stand_up", "sync", "aiko: do chair sit",
+        "aiko: do chair sit patience=0", "sync", "ken: do chair stand_up", "sync", "aiko: do chair sit",
     )  # fmt: skip
     assert failures == 1
     said = capfd.readouterr()

@@ -40,5 +40,5 @@ def test_what_was_given_away_is_dropped_at_once_and_said_in_one_line(
     assert ken.agenda.done
     assert ken.report.messages == [said]
     assert aiko.communication.client.refresh().objects["b"].holder == "aiko"
-    ken.play(steps("do b take frames 20"))
+    ken.play(steps("do b take patience=0 frames 20"))
     assert "b is held by aiko" in ken.report.messages[-1]

@@ -31,7 +31,7 @@ human ken body ken at 0 0
 human aiko body aiko at 0 1 facing -90
 add box as b at 0.3 0.5 1
 add box as c at 0.3 -0.2 1
-ken: do b take frames 20
+ken: do b take patience=0 frames 20
 aiko: do b take frames 20 with c wave frames 30 after 5
 sync
 ken: do b shake frames 20

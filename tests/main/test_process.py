@@ -243,7 +243,7 @@ def test_nobody_takes_what_somebody_else_holds(server: Start, join: Join) -> Non
     here = server()
     ken, aiko = join(here), join(here, "aiko", body="aiko", place=(0.0, 1.0))
     ken.play(steps("add box as b at 0.3 0.5 1", "do b take frames 20"))
-    aiko.play(steps("wait 0.3", "do b take frames 10", "do b wave frames 10"))
+    aiko.play(steps("wait 0.3", "do b take patience=0 frames 10", "do b wave frames 10"))
     assert len(aiko.report.messages) == 1
     assert aiko.report.messages[0].startswith("b take: ")
     assert "ken" in aiko.report.messages[0]
