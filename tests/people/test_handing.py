@@ -1,0 +1,138 @@
+"""A cup goes from hand to hand: it is held at every frame, never jumps, and is refused where it can't be taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply, rotate
+from ahmss.main.play import PlaySetup, play_script
+from ahmss.motion.edit import floor_frame
+from tests.demo.recorded import Recorded
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENE = """
+add floor
+add table at 0.9 -0.1 0 facing 90
+add cup at 0.42 -0.15 0.88
+human ken body ken at 0 0 facing -20
+human aiko body aiko at {aiko}
+ken: do cup reach
+ken: do cup grasp
+ken: do cup lift
+sync
+"""
+GIVEN = """
+ken: do aiko hand_over
+aiko: do ken receive{hand}
+sync
+aiko: do cup carry frames 30
+"""
+JUMP = 0.001  # metres in a frame beyond what the hands move
+
+
+def play(folder: Path, text: str, *, seed: int = 1) -> tuple[Path, list[dict[str, object]]]:
+    (folder / "script.txt").write_text(text)
+    recording = folder / "run.rec"
+    report = play_script(folder / "script.txt", PlaySetup(workspace=str(ROOT), fast=True, seed=seed, record=recording))
+    return recording, list(report.mains)
+
+
+PLACES = [("0.35 1.0 facing 240", ""), pytest.param(("-0.75 0.75 facing 250", " hand left"), marks=pytest.mark.long)]
+
+
+@pytest.fixture(scope="module", params=PLACES)
+def given(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Recorded, Recorded, str]:
+    aiko, hand = request.param
+    recording, mains = play(tmp_path_factory.mktemp("given"), SCENE.format(aiko=aiko) + GIVEN.format(hand=hand))
+    assert [main["messages"] for main in mains] == [[], []]
+    ken, aiko_ = (Recorded.read(recording, name, ("cup",)) for name in ("ken", "aiko"))
+    return ken, aiko_, hand.split()[-1] if hand else "right"
+
+
+def changed(ken: Recorded) -> int:
+    """The first frame in which it is aiko's."""
+    return ken.holders["cup"].index("aiko")
+
+
+def test_it_changes_hands_in_one_frame_and_belongs_to_somebody_in_each(given: tuple[Recorded, Recorded, str]) -> None:
+    holders = given[0].holders["cup"]
+    first = holders.index("ken")
+    last = len(holders) - holders[::-1].index("aiko")
+    assert set(holders[first:last]) == {"ken", "aiko"}
+    assert sum(a != b for a, b in zip(holders[first:last], holders[first + 1 : last], strict=False)) == 1
+
+
+def test_it_never_jumps_more_than_the_hand_that_has_it_moves(given: tuple[Recorded, Recorded, str]) -> None:
+    ken, aiko, side = given
+    n, frame = min(len(ken.root), len(aiko.root)), changed(ken)
+    cup = ken.object("cup").place[:n]
+    # The right hand of ken took it; each palm carries what is in it, its turns included.
+    for human, rows, hand in ((ken, slice(160, frame), 0), (aiko, slice(frame, n - 5), int(side == "left"))):
+        grip = human.grip(hand)
+        inner = rotate(conjugate(grip.rotation[:n]), cup - grip.place[:n])
+        assert np.linalg.norm(np.diff(inner[rows], axis=0), axis=1).max() < JUMP
+    assert np.linalg.norm(np.diff(cup[frame - 12 : frame + 6], axis=0), axis=1).max() < JUMP
+
+
+def test_both_hands_are_at_it_when_it_changes_hands(given: tuple[Recorded, Recorded, str]) -> None:
+    ken, aiko, side = given
+    frame = changed(ken)
+    wall = ken.object("cup").apply(np.array([0.0, 0.0, 0.052]))[frame]
+    palms = [ken.grip(0).place[frame], aiko.grip(int(side == "left")).place[frame]]
+    assert max(np.linalg.norm(palm - wall) for palm in palms) < 0.08
+    out = [one.grip(hand).rotation[frame] for one, hand in ((ken, 0), (aiko, int(side == "left")))]
+    ahead = np.array([1.0, 0.0, 0.0])
+    assert rotate(out[0], ahead) @ rotate(out[1], ahead) < 0.3  # palms that would be in each other look the same way
+
+
+def test_they_stand_face_to_face_about_an_arm_apart(given: tuple[Recorded, Recorded, str]) -> None:
+    ken, aiko, _ = given
+    frame = changed(ken)
+    (a, qa), (b, qb) = (floor_frame(one.rotations[frame], one.root[frame]) for one in (ken, aiko))
+    assert 0.8 < np.linalg.norm(b - a) < 1.25
+    assert aside(a, qa, b) < np.radians(35.0)
+    assert aside(b, qb, a) < np.radians(35.0)
+
+
+def aside(here: Array, turn: Array, there: Array) -> float:
+    """How far aside of where one faces a place is, radians."""
+    x, y, _ = rotate(conjugate(turn), there - here)
+    return abs(float(np.arctan2(y, x)))
+
+
+def test_the_giver_lets_go_only_afterwards_and_the_arm_goes_down(given: tuple[Recorded, Recorded, str]) -> None:
+    ken, aiko, _ = given
+    frame = changed(ken)
+    fingers = slice(17, 29)  # index to little of the right hand
+    still = multiply(conjugate(ken.rotations[frame - 5, fingers]), ken.rotations[frame, fingers])
+    assert np.abs(still[:, 0]).min() > np.cos(np.radians(0.5))
+    opened = multiply(conjugate(ken.rotations[frame, fingers]), ken.rotations[frame + 40, fingers])
+    assert np.abs(opened[:, 0]).min() < np.cos(np.radians(15.0))
+    assert ken.grip(0).place[min(len(ken.root), len(aiko.root)) - 1, 2] < 0.95
+
+
+@pytest.mark.parametrize(
+    ("reason", "scene", "lines"),
+    [
+        ("aiko did not take cup within 1 s; it stays in the hand", "", "ken: do aiko hand_over patience=1"),
+        pytest.param(
+            "ken has not held out cup within 1 s", "", "aiko: do ken receive patience=1", marks=pytest.mark.long
+        ),
+        ("aiko receive: aiko holds nothing", "", "ken: do aiko receive"),
+        ("ken hand_over: aiko holds nothing", "", "aiko: do ken hand_over"),
+    ],
+)
+def test_what_can_not_be_is_refused_in_a_sentence_and_nothing_falls(
+    tmp_path: Path, reason: str, scene: str, lines: str
+) -> None:
+    text = SCENE.format(aiko="0.35 1.0 facing 240") + f"{scene}{lines}\nsync\nken: do cup carry frames 10\n"
+    recording, mains = play(tmp_path, text)
+    said = [message for main in mains for message in main["messages"]]  # type: ignore[union-attr]
+    assert len(said) == 1
+    assert reason in said[0]
+    ken = Recorded.read(recording, "ken", ("cup",))
+    assert ken.holders["cup"][-60] == "ken"
