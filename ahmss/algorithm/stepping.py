@@ -5,7 +5,7 @@ What the shipped algorithms that take the body somewhere share, and an author ma
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ from ahmss.walking.journey import Standing, footing
 from ahmss.walking.library import Library
 from ahmss.walking.trip import Ground, Piece, Trip
 
-__all__ = ["IMPORTANCE", "Stance", "ground_of", "rows_of", "stepped", "walk_library"]
+__all__ = ["IMPORTANCE", "Stance", "ground_of", "in_time", "rows_of", "stepped", "walk_library"]
 
 _FEET = slice(2, 4)
 _CARES = {
@@ -76,6 +76,17 @@ def rows_of(task: HumanTask, piece: Piece) -> Array:
     return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
 
 
+def in_time(piece: Piece, rows: Array) -> Iterator[Array]:
+    """The rows (n, 260) of a piece, singly as long as there is something to be thought of meanwhile: no frame waits."""
+    k = 0
+    while piece.meanwhile is not None and k < len(rows) - 1:
+        yield rows[k : k + 1]
+        k += 1
+        if not piece.meanwhile.part():
+            break
+    yield rows[k:]
+
+
 def stepped(
     task: HumanTask, goal: Goal, ground: Ground, *, near: tuple[float, float], most: float, to: str
 ) -> Generator[Array, None, Stance]:
@@ -108,7 +119,7 @@ def stepped(
     for piece in trip.pieces(start.rotations, start.root):
         rows = rows_of(task, piece)
         rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
-        yield rows
+        yield from in_time(piece, rows)
         rotations[: piece.rotations.shape[1]], root = piece.rotations[-1], piece.root[-1]
         rotations[held] = start.rotations[held]
     return Stance(rotations, root)

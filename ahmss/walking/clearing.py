@@ -27,15 +27,15 @@ from ahmss.walking.fence import Fence
 from ahmss.walking.leeway import Leeway, bump
 from ahmss.walking.shaping import Shaped, Shaping
 
-__all__ = ["UNMOVED", "clearing", "held_arms"]
+__all__ = ["clearing", "held_arms"]
 
-UNMOVED = 16  # frames from the beginning in which the body is not moved: in these the rest is thought of
 _NEAR, _WITHIN = 0.7, 0.2  # metres from the hips, and from a leg, beyond which nothing is in its way
 _LOOKED = 900  # frames that are looked at: the rest of a longer walk is not
 _STEP, _AT_ONCE = 3, 60  # frames between those that are looked at, and how many are made in a part
-_ROUNDS, _IN_PART = 12, 3  # how often it is moved more, at the most, and how often in a part
+_ROUNDS, _IN_PART = 18, 3  # how often it is moved more, at the most, and how often in a part
 _ENOUGH = 1e-3  # metres that may lack
-_WIDTH, _SMOOTH, _FADE = 40, 4.0, 44  # frames around one for which it is moved; smoothed over; from rest to moved
+_WIDTH, _SMOOTH = 40, 4.0  # frames around one for which the body is moved, and over which that is smoothed
+_FADE, _ENDING = 32, 60  # frames from not moved to moved as much as it is to be, at the beginning and at the end
 _MOST, _MOST_FOOT = 0.22, 0.1  # metres that the body is moved, and a foot in the air more than it
 _BY_FOOT = 0.5  # of what a foot in the air lacks, what it is moved by itself
 _LOW = 0.2  # of a swing's height: nearer to the ground a foot is not moved by itself
@@ -51,7 +51,7 @@ _OF_FOOT, _OF_ARM = slice(4, 7), 4
 
 
 def clearing(
-    skeleton: Skeleton, shaping: Shaping, outlines: Sequence[Array], tops: Sequence[float] = (),
+    skeleton: Skeleton, shaping: Shaping, made: int, outlines: Sequence[Array], tops: Sequence[float] = (),
     held: Array | None = None,
 ) -> Iterator[Leeway | None]:  # fmt: skip
     """By how much a walk is to be moved so that legs keep out of things: the last that comes, None before it is found.
@@ -60,7 +60,7 @@ def clearing(
 
     Args:
         skeleton: of who walks.
-        shaping: the walk as it would be.
+        shaping: the walk as it would be. made: the frame up to which it stays.
         outlines: (n, 2) of things, world. tops: how high they are, metres; left out: high.
         held: arms that are kept as they are, as `held_arms` gives them.
     """
@@ -74,21 +74,23 @@ def clearing(
     limbs = _Limbs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, fence, held)
     yield None
     swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in (0, 1)]
-    made = Leeway(np.zeros((shaping.frames, 2)), (np.zeros((swings[0].count, 2)), np.zeros((swings[1].count, 2))))
-    fade = _fade(shaping.frames)
+    moved = Leeway(np.zeros((shaping.frames, 2)), (np.zeros((swings[0].count, 2)), np.zeros((swings[1].count, 2))))
+    fade = _fade(shaping.frames, made)
     for number in range(_ROUNDS):
-        push = limbs.push(made.body, [made.foot(own.bears, foot) for foot, own in enumerate(swings)])
+        push = limbs.push(moved.body, [moved.foot(own.bears, foot) for foot, own in enumerate(swings)])
         lack = np.sqrt((push * push).sum(axis=-1))
         if lack.max() < _ENOUGH:
             if number:
-                yield made
+                yield moved
             return
         for foot, own in enumerate(swings):
-            made.swings[foot][:] = own.more(made.swings[foot], push[:, foot], lack[:, foot])
+            moved.swings[foot][:] = own.more(moved.swings[foot], push[:, foot], lack[:, foot])
         worst = lack.reshape(len(frames), -1).argmax(axis=-1)
-        made.body[:] = fade * _moved(made.body, frames, push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst])
+        moved.body[:] = fade * _moved(
+            moved.body, frames, push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst]
+        )
         if number % _IN_PART == _IN_PART - 1:
-            yield made
+            yield moved
 
 
 def held_arms(skeleton: Skeleton, rotations: Array, root: Array, sides: Sequence[str]) -> Array:
@@ -222,10 +224,10 @@ def _moved(body: Array, frames: NDArray[np.intp], push: Array) -> Array:
     return gaussian_filter1d(body, _SMOOTH, axis=0, mode="nearest")
 
 
-def _fade(frames: int) -> Array:
+def _fade(frames: int, made: int) -> Array:
     """(F, 1) how far the body may be moved: in the first frames and in the last it stands where it shall."""
     at = np.arange(frames)
-    return (minimum_jerk((at - UNMOVED) / _FADE) * minimum_jerk((frames - 1 - at) / (UNMOVED + _FADE)))[:, None]
+    return (minimum_jerk((at - made) / _FADE) * minimum_jerk((frames - 1 - at) / _ENDING))[:, None]
 
 
 def _at_most(moves: Array, most: float) -> Array:

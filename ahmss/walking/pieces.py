@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
-from ahmss.walking.clearing import UNMOVED, clearing
-from ahmss.walking.hesitating import last_moment
+from ahmss.walking.clearing import clearing
 from ahmss.walking.journey import Footing, Journey
 from ahmss.walking.leeway import Leeway
 from ahmss.walking.shaping import Shaping
 
-__all__ = ["Ground", "Piece", "cleared", "footing_at", "piece", "standing_piece"]
+__all__ = ["Clearing", "Ground", "Piece", "footing_at", "piece", "standing_piece"]
 
 
 @dataclass(frozen=True)
@@ -29,12 +28,16 @@ class Ground:
 
 @dataclass(frozen=True)
 class Piece:
-    """Frames of a trip to be made next: rotations (n, 15, 4), root (n, 3), ankles (n, 2, 3), feet (n, 2, 4)."""
+    """Frames of a trip to be made next: rotations (n, 15, 4), root (n, 3), ankles (n, 2, 3), feet (n, 2, 4).
+
+    meanwhile: what is to be thought of before the next piece, of which a part may be done with each frame.
+    """
 
     rotations: Array
     root: Array
     ankles: Array
     feet: Array
+    meanwhile: Clearing | None = field(default=None, kw_only=True)
 
 
 def piece(going: Journey, first: int, last: int) -> Piece:
@@ -56,20 +59,31 @@ def footing_at(going: Journey, end: int) -> Footing:
     return Footing(ankles, headings, going.line.course.points[end], heading)
 
 
-def cleared(
-    skeleton: Skeleton, going: Journey, ground: Ground, held: Array | None
-) -> Generator[Piece, None, tuple[Journey, int]]:
-    """A walk from standing with its legs kept out of things, and how many of its frames were made meanwhile.
+class Clearing:
+    """A walk from standing whose legs are to be kept out of things: thought of a part at a time.
 
-    One is for each part of looking for it, so that no frame waits long; a walk that nothing comes near has none.
+    Args:
+        skeleton: of who walks.
+        going: the walk as it would be; its frames up to `made` stay.
+        ground: what stands on the floor.
+        held: arms that are kept as they are, as `held_arms` gives them.
     """
-    shaping, made = going.shaping, 0
-    leeway: Leeway | None = None
-    latest = min(UNMOVED, last_moment(going))
-    assert isinstance(shaping, Shaping)  # from standing nothing is handed over
-    for found in clearing(skeleton, shaping, ground.outlines, ground.tops, held):
-        leeway = found
-        if made < latest:
-            yield piece(going, made, made + 1)
-            made += 1
-    return going if leeway is None else replace(going, shaping=shaping.moved(leeway)), made
+
+    def __init__(self, skeleton: Skeleton, going: Journey, made: int, ground: Ground, held: Array | None) -> None:
+        assert isinstance(going.shaping, Shaping)  # from standing nothing is handed over
+        self._going, self._shaping, self._leeway = going, going.shaping, None
+        self._parts = clearing(skeleton, going.shaping, made, ground.outlines, ground.tops, held)
+
+    def part(self) -> bool:
+        """Think of the next part; whether there was one."""
+        for found in self._parts:
+            self._leeway = found
+            return True
+        return False
+
+    def walk(self) -> Journey:
+        """The walk, once all is thought of; what is left of that is done now."""
+        while self.part():
+            pass
+        leeway: Leeway | None = self._leeway
+        return self._going if leeway is None else replace(self._going, shaping=self._shaping.moved(leeway))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -22,7 +22,7 @@ from ahmss.walking.library import RATE, Library
 from ahmss.walking.makingway import LOOKED, Option, Walker, cut, goes_first, held_up, meets, options
 from ahmss.walking.nominal import clip_of, length_of
 from ahmss.walking.pacing import Paced
-from ahmss.walking.pieces import Ground, Piece, cleared, footing_at, piece, standing_piece
+from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, piece, standing_piece
 from ahmss.walking.wayout import natural, touches
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
@@ -94,9 +94,10 @@ class Trip:
             going = yield from self._wait(piece(going, -1, 0), now, looks=_LOOKS)
         over = False
         while not over:
-            going, begun = yield from cleared(self.skeleton, going, self.ground, self._arms)
-            made = yield from self._set_in_motion(going, begun)
+            clearing = Clearing(self.skeleton, going, last_moment(going), self.ground, self._arms)
+            made = yield from self._set_in_motion(going, clearing)
             if made:
+                going = clearing.walk()
                 self._waited, self._rate = 0, float(going.rates[0])
                 going, over = yield from self._steps(going, made)
             if not over:
@@ -151,10 +152,10 @@ class Trip:
 
     # Going
 
-    def _set_in_motion(self, going: Journey, begun: int) -> Iterator[Piece]:  # -> frames made; 0: it was called off
-        """The first frames, on from those begun, in which weight is shifted; back where others have set out as well."""
+    def _set_in_motion(self, going: Journey, clearing: Clearing) -> Iterator[Piece]:  # -> frames; 0: it was called off
+        """The first frames, in which weight is shifted, and back again where others have set out as well."""
         made = last_moment(going)
-        yield piece(going, begun, made)
+        yield replace(piece(going, 0, made), meanwhile=clearing)
         own = self._ahead(going, made)
         if going.line.course.length < SPOT or not self._held_up(own, begun=True):
             return made  # pyright: ignore[reportReturnType]

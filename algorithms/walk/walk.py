@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.stepping import ground_of, rows_of, walk_library
+from ahmss.algorithm.stepping import ground_of, in_time, rows_of, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -42,7 +42,7 @@ def walk(task: HumanTask) -> Iterator[Array]:
     )  # fmt: skip
     tucking = Tucking(task)
     for piece in trip.pieces(task.start.rotations, task.start.root):
-        yield tucking.over(rows_of(task, piece))
+        yield from in_time(piece, tucking.over(rows_of(task, piece)))
 
 
 def _goal(task: HumanTask, ground: Ground) -> Goal:
