@@ -43,13 +43,14 @@ class Palm:
     """Where a palm goes: place ahead, to its own side, and height, metres of somebody of 1.72 m.
 
     out: the palm's direction; along: the fingers'; both ahead, to the own side, up, of any length.
-    fingers: as `fingers_of` names them.
+    fingers: as `fingers_of` names them. elbow: degrees by which the elbow is out to the side.
     """
 
     place: Vector
     out: Vector
     along: Vector
     fingers: str = "open"
+    elbow: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -91,8 +92,8 @@ class Gesture:
 _RAISED = Palm((0.24, 0.36, 1.53), (1.0, 0.1, 0.0), (0.0, 0.12, 1.0))
 _THUMB = Palm((0.37, 0.14, 1.20), (0.0, -1.0, 0.0), (1.0, -0.15, 0.1), "thumb")
 _PALM_UP = Palm((0.25, 0.40, 1.06), (0.25, 0.1, 1.0), (1.0, 0.75, 0.1))
-_CHIN = Palm((0.175, 0.045, 1.425), (-0.8, -0.45, 0.3), (-0.05, -0.3, 0.95), "curled")
-_BELLY = Palm((0.205, -0.10, 1.07), (-1.0, 0.0, 0.2), (0.1, -1.0, 0.05), "loose")
+_CHIN = Palm((0.145, 0.025, 1.45), (-0.75, -0.6, 0.2), (-0.1, -0.4, 0.9), "curled", 55.0)
+_BELLY = Palm((0.23, -0.10, 1.10), (-0.9, 0.1, 0.45), (0.1, -1.0, 0.1), "loose", 80.0)
 
 GESTURES: Mapping[str, Gesture] = {
     "nod": Gesture(0.12, 0.76, 0.22, pitch=(17.0, 2.0), fades=0.45),
@@ -144,7 +145,7 @@ def swung(skeleton: Skeleton, side: str, palm: Palm, angles: Array) -> Array:
 
 
 def fingers_of(side: str, shape: str) -> Array:
-    """Rotations (14, 4) of a hand's fingers: "open", "loose", "curled", "fist", or "thumb", a fist with the thumb out of it."""
+    """Rotations (14, 4) of the fingers: "open", "loose", "curled", "fist", or "thumb", a fist with the thumb up."""
     if shape == "open":
         return opened(side)
     rotations = opened(side)
@@ -165,6 +166,8 @@ def _upright(skeleton: Skeleton, side: str, palm: Palm) -> tuple[Array, Array, A
     row, own = _SIDES.index(side), np.array([1.0, -1.0 if side == "right" else 1.0, 1.0])
     lower = INDEX[f"{side}_lower_arm"]
     rotations[lower] = multiply(rotations[lower], from_axis_angle(np.array([0.0, 1.0, 0.0]), _BENT))
+    aside = from_axis_angle(np.array([0.0, 0.0, 1.0 if side == "right" else -1.0]), np.radians(palm.elbow))
+    rotations[lower - 1] = multiply(rotations[lower - 1], aside)
     out = np.array(palm.out) * own
     out /= np.linalg.norm(out)
     along = np.array(palm.along) * own
