@@ -168,7 +168,7 @@ class Planner:
             push = float(np.clip(0.65 * behind + 0.35 * way, 0.0, 1.0)) if way > 0.0 else 0.0
             moved = float(np.hypot(one.landing.x - own.x, one.landing.y - own.y))
             full = min(max(moved / (1.9 * self.step), abs(one.body - body) / 1.6), 1.0)
-            swing = (self._gait.frames - self._gait.both) / RATE * (0.82 + 0.18 * full)
+            swing = (self._gait.frames - self._gait.both) / RATE * (0.77 + 0.23 * full)
             both = self._gait.both / RATE + 0.04 * (1.0 - min(1.0, moved / (1.6 * self.step)))
             lift = at if not out else out[-1].land + both
             lift, land = round(lift * RATE) / RATE, round((lift + swing) * RATE) / RATE

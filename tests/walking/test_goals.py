@@ -267,3 +267,12 @@ def test_of_the_grid(goal: Goal) -> None:
 @pytest.mark.parametrize("goal", random_goals(500, seed=500, furthest=100.0), ids=str)
 def test_of_five_hundred_random_goals(goal: Goal) -> None:
     assert not faults(goal)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("facing", [-150.0, -90.0, 90.0, 120.0, 180.0])
+@pytest.mark.parametrize("direction", [-165.0, -120.0, -90.0, 90.0, 120.0, 150.0, 180.0])
+@pytest.mark.parametrize("name", HUMANS)
+def test_who_turns_before_a_long_walk_and_after_it_is_not_slow(name: str, direction: float, facing: float) -> None:
+    goal = Goal(name, 0.0, _LONG, direction, facing)
+    assert not goes_as_fast_as_people(walked(goal)[0], goal)
