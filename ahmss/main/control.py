@@ -544,6 +544,7 @@ class Control:
             return
         if isinstance(motion.passes, Pending):  # it is on its way into the other hand, or stays in this one
             self._passing.append((mover, motion.passes))
+        if motion.order.affordance.hold == GIVE:  # it stays in the hand
             return
         if motion.order.affordance.hold == "release" or not mover.caught:
             self._release(mover)
