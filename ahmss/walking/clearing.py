@@ -32,7 +32,8 @@ __all__ = ["clearing", "held_arms"]
 _NEAR, _WITHIN = 0.7, 0.2  # metres from the hips, and from a leg, beyond which nothing is in its way
 _LOOKED = 900  # frames that are looked at: the rest of a longer walk is not
 _STEP, _AT_ONCE = 3, 60  # frames between those that are looked at, and how many are made in a part
-_ROUNDS, _IN_PART = 18, 3  # how often it is moved more, at the most, and how often in a part
+_ROUNDS, _IN_PART = 12, 3  # how often it is moved more, at the most, and how often in a part
+_LOOKS = 2  # the legs of who is moved are not just where their points were moved to: it is looked at them again
 _ENOUGH = 1e-3  # metres that may lack
 _WIDTH, _SMOOTH = 40, 4.0  # frames around one for which the body is moved, and over which that is smoothed
 _FADE, _ENDING = 32, 60  # frames from not moved to moved as much as it is to be, at the beginning and at the end
@@ -68,29 +69,34 @@ def clearing(
     fence = Fence([outlines[i] for i in near], _WITHIN, [tops[i] for i in near] if len(tops) else ())
     if not len(frames):
         return
-    for end in range(_AT_ONCE, int(frames[-1]) + 1, _AT_ONCE):
-        shaping.part(0, end)
-        yield None
-    limbs = _Limbs.of(skeleton, shaping.part(0, int(frames[-1]) + 1), frames, fence, held)
-    yield None
-    swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in (0, 1)]
-    moved = Leeway(np.zeros((shaping.frames, 2)), (np.zeros((swings[0].count, 2)), np.zeros((swings[1].count, 2))))
-    fade = _fade(shaping.frames, made)
-    for number in range(_ROUNDS):
-        push = limbs.push(moved.body, [moved.foot(own.bears, foot) for foot, own in enumerate(swings)])
-        lack = np.sqrt((push * push).sum(axis=-1))
-        if lack.max() < _ENOUGH:
-            if number:
-                yield moved
-            return
-        for foot, own in enumerate(swings):
-            moved.swings[foot][:] = own.more(moved.swings[foot], push[:, foot], lack[:, foot])
-        worst = lack.reshape(len(frames), -1).argmax(axis=-1)
-        moved.body[:] = fade * _moved(
-            moved.body, frames, push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst]
-        )
-        if number % _IN_PART == _IN_PART - 1:
-            yield moved
+    last, feet = int(frames[-1]) + 1, (0, 1)
+    swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in feet]
+    moved, fade = Leeway.none(shaping.frames, (swings[0].count, swings[1].count)), _fade(shaping.frames, made)
+    for look in range(_LOOKS):
+        since = moved.copy()
+        seen = shaping.moved(since) if look else shaping
+        for end in range(_AT_ONCE, last, _AT_ONCE):
+            seen.part(0, end)
+            yield moved if look else None
+        limbs = _Limbs.of(skeleton, seen.part(0, last), frames, fence, held)
+        stood = [since.foot(own.bears, foot) for foot, own in enumerate(swings)]
+        for number in range(_ROUNDS):
+            if number % _IN_PART == 0:
+                yield moved if look or number else None
+            push = limbs.push(
+                moved.body - since.body, [moved.foot(swings[foot].bears, foot) - stood[foot] for foot in feet]
+            )
+            lack = np.sqrt((push * push).sum(axis=-1))
+            if lack.max() < _ENOUGH:
+                if number == 0:
+                    return
+                break
+            for foot, own in enumerate(swings):
+                moved.swings[foot][:] = own.more(moved.swings[foot], push[:, foot], lack[:, foot])
+            worst = lack.reshape(len(frames), -1).argmax(axis=-1)
+            most = push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst]
+            moved.body[:] = fade * _moved(moved.body, frames, most)
+        yield moved
 
 
 def held_arms(skeleton: Skeleton, rotations: Array, root: Array, sides: Sequence[str]) -> Array:

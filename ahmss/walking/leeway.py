@@ -25,6 +25,15 @@ class Leeway:
     body: Array
     swings: tuple[Array, Array]
 
+    @classmethod
+    def none(cls, frames: int, swings: tuple[int, int]) -> Leeway:
+        """Of so many frames, and so many swings of the right and the left foot."""
+        return cls(np.zeros((frames, 2)), (np.zeros((swings[0], 2)), np.zeros((swings[1], 2))))
+
+    def copy(self) -> Leeway:
+        """The same, in arrays of its own."""
+        return Leeway(self.body.copy(), (self.swings[0].copy(), self.swings[1].copy()))
+
     def foot(self, bears: NDArray[np.bool_], foot: int) -> Array:
         """By how much a foot is moved at each frame (F, 2).
 
