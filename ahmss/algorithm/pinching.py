@@ -6,7 +6,7 @@ the hand comes along its x, thumb and fingers close along its z. What the shippe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,7 @@ __all__ = ["Part", "gone_back", "pinched", "rows_made"]
 _BEFORE = 0.07  # metres before the part at which the open hand is set, and to which it goes back
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
+_OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
 
 Way = Callable[[Array], tuple[Array, Array]]
@@ -58,22 +59,25 @@ def pinched(task: HumanTask, part: Part) -> Iterator[Array]:
     Raises:
         AlgorithmError: thumb and fingers can't close there, or it is out of reach; says so.
     """
-    gaze, grips = Looking(task, part.site.place), dict[str, tuple[Transform, Holding]]()
+    gaze, grips = Looking(task, part.site.place), dict[str, list[_Grip]]()
     yield gaze.alone()
     for side in sides_of(task):
-        grips |= _grip(task, side, part)
-        yield gaze.alone()
+        for over in _OVER:
+            if grip := _grip(task, side, part, over):
+                grips.setdefault(side, []).append(grip)
+            yield gaze.alone()
     if not grips:
         name = "it" if task.object is None else task.object.name
         raise AlgorithmError(f"thumb and fingers can't close on {name} there; give the site another rotation")
-    palms = {side: _tilted(task, side, part, *grip) for side, grip in grips.items()}
+    palms = {side: np.concatenate([_tilted(task, part, grip) for grip in found]) for side, found in grips.items()}
     goal, prisms = Goal(part.site.place, palms=palms), in_the_way(task)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
-        return _made(task, part, plan, gaze, reaching, grips[plan.reacher.side][1])
+        grip = min(grips[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
+        return _made(task, part, plan, gaze, reaching, grip.holding)
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, -_BEFORE * into, perform)
     yield rows_made(task, made)
@@ -113,8 +117,21 @@ def gone_back(task: HumanTask, made: Performed, length: int, arm: slice) -> Arra
     return rows
 
 
-def _grip(task: HumanTask, side: str, part: Part) -> Mapping[str, tuple[Transform, Holding]]:
-    """The palm and the fingers that take the part, by side; empty where this hand can't."""
+@dataclass(frozen=True, eq=False)
+class _Grip:
+    """How a hand holds the part where it is now: the palm in the world, and the fingers."""
+
+    side: str
+    palm: Transform
+    holding: Holding
+
+    def turned_from(self, palm: Array) -> float:
+        """Radians between its palm and one (7,)."""
+        return float(2.0 * np.arccos(min(1.0, abs(float(self.palm.rotation @ palm[3:])))))
+
+
+def _grip(task: HumanTask, side: str, part: Part, over: float) -> _Grip | None:
+    """How a hand takes the part, rolled over by so many radians from thumb up; None where it can't."""
     thing = task.object
     assert thing is not None
     assert thing.shape is not None
@@ -123,15 +140,17 @@ def _grip(task: HumanTask, side: str, part: Part) -> Mapping[str, tuple[Transfor
     into = rotate(task.site.rotation, np.array([1.0, 0.0, 0.0]))
     ahead = -np.append(front_of(thing.frame), 0.0)
     level = palms_pointing(task.human, side, task.site.place, into, None if abs(into[2]) < 0.9 else ahead, exactly=True)
-    present = thing.frame.inverse().then(Transform.of(level[0]))
+    present = thing.frame.inverse().then(
+        Transform(level[0, :3], multiply(from_axis_angle(into, np.array(over)), level[0, 3:]))
+    )
     holding = precision(Hand.of(task.human, side), thing.shape.field(site.place), present.row(), site.row())
     if holding is None or not holding.holds:
-        return {}
+        return None
     palm = task.site.inverse().then(thing.frame.then(Transform.of(holding.palm)))
-    return {side: (part.site.then(palm), holding)}
+    return _Grip(side, part.site.then(palm), holding)
 
 
-def _tilted(task: HumanTask, side: str, part: Part, palm: Transform, holding: Holding) -> Array:
+def _tilted(task: HumanTask, part: Part, grip: _Grip) -> Array:
     """Palms (n, 7) that hold the part between the same pads, the hand turned about it: which is easiest is chosen.
 
     Where there are things beside it, those that leave them alone.
@@ -140,13 +159,13 @@ def _tilted(task: HumanTask, side: str, part: Part, palm: Transform, holding: Ho
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
     tilt, roll = (a.ravel() for a in np.meshgrid(_TILTS, _ROLLS, indexing="ij"))
     turned = multiply(from_axis_angle(across, tilt), from_axis_angle(into, roll))
-    places = part.site.place + rotate(turned, palm.place - part.site.place)
-    palms = np.concatenate([places, multiply(turned, palm.rotation)], axis=-1)
+    places = part.site.place + rotate(turned, grip.palm.place - part.site.place)
+    palms = np.concatenate([places, multiply(turned, grip.palm.rotation)], axis=-1)
     boxes = beside(task)
     if not boxes:
         return palms
-    wide = opener(Hand.of(task.human, side), holding)
-    points = [hand_points(task.human, side, palms, shape) for shape in (holding.shape, wide)]
+    wide = opener(Hand.of(task.human, grip.side), grip.holding)
+    points = [hand_points(task.human, grip.side, palms, shape) for shape in (grip.holding.shape, wide)]
     return clear_of(boxes, palms, np.concatenate(points, axis=1))
 
 

@@ -1,6 +1,6 @@
 """Turning a lever, a knob or a cover: thumb and fingers take it, go with it about the object's axis, and let it go.
 
-The palm turns half as far as what it turns, which turns between the pads as well.
+The palm turns along for a part of it, half if nothing else is said; the rest is made between the pads.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 
 TURNS = 0.75  # seconds
-TURNS_ALONG = 0.5  # of the turn that the hand makes
 NEAR = 0.02  # radians: so near to a position it is in it
 
 
@@ -38,11 +37,12 @@ def turn(task: HumanTask) -> Iterator[Array]:
     axis = rotate(thing.rotation, axis / np.linalg.norm(axis))
     now = float(thing.states.get(task.parameter("state", "turn"), 0.0))
     angle = _wanted(task, told, now) - now
+    along = task.parameter("along", 0.5)
     site = _about(pivot, axis, now, task.site)
 
     def way(share: Array) -> tuple[Array, Array]:
         around = from_axis_angle(axis, angle * share)
-        return pivot + rotate(around, site.place - pivot), from_axis_angle(axis, TURNS_ALONG * angle * share)
+        return pivot + rotate(around, site.place - pivot), from_axis_angle(axis, along * angle * share)
 
     return pinched(task, Part(site, way, TURNS))
 

@@ -62,7 +62,7 @@ def key_switch() -> Model:
     hood = [
         box("cover", (0.6, -3.1, 3.6), (5.6, 3.1, 3.9)),
         box("cover", (5.3, -3.1, -3.4), (5.6, 3.1, 3.6)),
-        box("cover", (5.6, -1.0, -3.4), (7.6, 1.0, -2.8)),
+        box("cover", (5.6, -1.3, -3.4), (9.2, 1.3, -2.8)),
     ]
     pieces += [_about_hinge(p) for p in hood]
     return pieces, {"plate": GREY, "lock": STEEL, "key": (196, 60, 48), "cover": (214, 176, 60)}

@@ -1,0 +1,51 @@
+"""Sliding a lever along its slot: thumb and fingers take its knob, go with it, and let it go.
+
+The property `slide` is its way in the object's frame, metres, from where the shape has it to the other end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.pinching import Part, pinched
+from ahmss.body.array import Array
+from ahmss.body.quaternion import IDENTITY, rotate
+from ahmss.errors import AlgorithmError
+
+LEAST, A_METRE = 0.35, 4.0  # seconds that it takes at least, and for a metre more
+NEXT_TO = 0.01  # of its way: nobody sees that it was moved
+
+
+def slide(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): the hand comes, closes, slides, opens, and goes back.
+
+    Raises:
+        AlgorithmError: the action names no site, the object has no shape or does not say its way, the human is carried.
+    """
+    thing = task.object
+    if task.site is None or thing is None or thing.shape is None or "slide" not in thing.properties:
+        raise AlgorithmError(
+            "slide needs an object that has a shape and a property `slide`, and a site where its knob is"
+        )
+    if task.carried:
+        raise AlgorithmError("a lever is moved standing; walk there first, then slide it")
+    along = rotate(thing.rotation, np.array(thing.properties["slide"], float))
+    now, to = float(thing.states.get(task.parameter("state", "level"), 0.0)), task.parameter("level", -1.0)
+    if to < 0.0:
+        to = 0.0 if now > 0.5 else 1.0
+    if abs(to - now) < NEXT_TO:
+        task.note(f"it is at {now:.2f} already")
+    site = Transform(task.site.place + now * along, task.site.rotation)
+    way = (to - now) * along
+
+    def gone(share: Array) -> tuple[Array, Array]:
+        return site.place + share[:, None] * way, np.tile(IDENTITY, (len(share), 1))
+
+    return pinched(task, Part(site, gone, LEAST + A_METRE * float(np.linalg.norm(way))))
+
+
+if __name__ == "__main__":
+    run(slide)
