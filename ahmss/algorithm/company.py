@@ -67,9 +67,10 @@ class Watching:
         watching = cls(task, whom)
         aside = aside_of(task, watching.eyes)
         if abs(aside) > _BEHIND and not task.carried:
+            bearing = np.degrees(np.arctan2(*(whom.place - at)[1::-1]))
             raise AlgorithmError(
                 f"{whom.name} is {np.degrees(abs(aside)):.0f} degrees aside, behind the back; turn first: "
-                f"`do floor turn facing {whom.name}`"
+                f"`do floor turn facing {bearing:.0f}`"
             )
         return watching
 

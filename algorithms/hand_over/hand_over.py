@@ -35,6 +35,7 @@ EYES = 0.936  # of the stature
 TURNS = np.radians(np.arange(-180.0, 180.0, 15.0))  # of the thing about the vertical
 NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have gone since it came
 STILL, FRAMES = 0.002, 9  # metres in so many frames
+LOOKS = 0.4  # seconds, from where one looked to the other's eyes
 OPENS, BACK, AWAY, HOME = 0.4, 0.08, 0.35, 0.9  # seconds, metres, seconds, seconds
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -87,14 +88,19 @@ def _level(rotation: Array) -> Array:
 
 
 def _until_taken(task: HumanTask, whom: WorldObject, row: Array) -> Generator[Array, None, str]:
-    """One stands still, looks from the thing to the other's face, and sees which hand has closed; "": none has."""
+    """One stands still, looks at the other's face, and sees which hand has closed; "": none has.
+
+    The row (1, 260) is as it was shown last.
+    """
     watching = Watching(task, whom)
     seen: dict[str, deque[Array]] = {hand: deque(maxlen=FRAMES) for hand in ("right", "left")}
     first: dict[str, Array] = {}
-    for _ in range(round(task.parameter("patience", 10.0) * task.rate)):
-        still = row.copy()
-        still[0, 220:].reshape(5, 8)[GAZE] = watching.gaze()
-        yield still
+    gaze = row[0, 220:].reshape(5, 8)[GAZE]
+    before = gaze[:3].copy()
+    for k in range(1, round(task.parameter("patience", 10.0) * task.rate) + 1):
+        gaze[:] = watching.gaze()
+        gaze[:3] = before + minimum_jerk(np.array(k / (LOOKS * task.rate))) * (gaze[:3] - before)
+        yield row.copy()
         for hand, track in seen.items():
             if _has_closed(task, whom, hand, track, first):
                 return hand
