@@ -90,7 +90,7 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     if named is not None and named.grip == "precision":
         holding = precision(hand, field, grip.row(), site.row(), arm.cost)
     else:
-        holding = power(hand, field, grip.row(), site.row())
+        holding = power(hand, field, grip.row(), site.row(), arm.cost)
     if holding is None or not holding.holds:
         raise AlgorithmError(_why(thing.name, holding))
     palm = Transform.of(holding.palm)
@@ -194,6 +194,8 @@ def _why(name: str, holding: Holding | None) -> str:
 
 def _wide(hand: Hand, field: Field, grip: Transform, present: Array, holding: Holding) -> Array | None:
     """The fingers (14, 4) as they must open first, if closing from the present ones (14, 4) would go through it."""
+    if holding.wide is not None:
+        return holding.wide
     palm, arrived = Transform.of(holding.palm), np.minimum(_SOONER * _LOOKS, 1.0)
     places = grip.place + arrived[:, None] * (palm.place - grip.place)
     palms = np.concatenate([places, slerp(grip.rotation, palm.rotation, arrived)], axis=1)

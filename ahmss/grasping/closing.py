@@ -27,6 +27,7 @@ __all__ = [
     "Hands",
     "close_fingers",
     "close_thumb",
+    "hook_fingers",
 ]
 
 TOUCH = 0.0015  # metres within which skin counts as touching
@@ -36,6 +37,7 @@ COARSE, FINE = 16, 6  # places looked at on the way, then between the last that 
 MOST = np.radians([95.0, 108.0, 80.0])  # that the joints bend at most
 STRAIGHTENED = 0.3  # of its bend that the end joint keeps while the joint before it goes on
 NOTHING = 9  # the number of no link
+KNUCKLE = np.radians(25.0)  # by which a knuckle bends until its finger lies on a bar
 FOLLOWS = 0.12  # of all the way that a finger without anything to touch bends further than the one beside it
 THUMB_MOST, THUMB_LEAST, THUMB_BEND, THUMB_SLACK = np.radians([118.0, 22.0, 60.0, 8.0])
 
@@ -91,38 +93,67 @@ class Fingers:
 def close_fingers(hand: Hand, hands: Hands, solid: Solid, curl: Array) -> Fingers:
     """Close the four fingers of each hand onto a solid, curling in the proportions of `curl` (3,)."""
 
-    def gaps_from(joint: int, start: Array) -> Callable[[Array], Array]:
-        """The gaps (C, 4, n, links) of the links from a joint on, along paths of flexions (C, 4, n, 3).
-
-        A ball that touches at the start, beside the joint before, stops nothing unless it goes deeper.
-        """
-
-        def of_balls(path: Array) -> Array:
-            middles, radii = hand.finger_balls(path.swapaxes(1, 2))
-            return solid.clearance(hands.seen(middles[..., joint:, :, :])) - radii[:, joint:]
-
-        before = np.minimum(of_balls(start[:, :, None]), 0.0) if joint else np.zeros(())
-
-        def gaps(path: Array) -> Array:
-            return (of_balls(path) - before).min(axis=-1).swapaxes(1, 2) + SINK
-
-        return gaps
-
     end = np.broadcast_to(curl, (len(hands.place), 4, 3))
-    flexion, link = _meet(LEAST * end, end, gaps_from(0, LEAST * end))
+    flexion, link = _meet(LEAST * end, end, _gaps_from(hand, hands, solid, 0, LEAST * end))
     loose = link == NOTHING
     for joint in (1, 2):
         first = flexion.copy()
         first[..., joint + 1 :] *= STRAIGHTENED  # or the end would meet a round thing before the link between does
         last = first.copy()
         last[..., joint] = np.maximum(MOST[joint], first[..., joint])
-        further, _ = _meet(first, last, gaps_from(joint, first))
+        further, _ = _meet(first, last, _gaps_from(hand, hands, solid, joint, first))
         flexion = np.where((link < joint)[..., None], further, flexion)
     for finger in range(1, 4):  # beside one that holds, a finger with nothing to touch is bent as that one is
         own, beside = flexion[:, finger], flexion[:, finger - 1] + FOLLOWS * curl
         flexion[:, finger] = np.where(loose[:, finger, None], np.minimum(own, beside), own)
     middles, radii = hand.finger_balls(flexion)
     return Fingers(flexion, *_nearest(solid, hands.seen(middles), radii))
+
+
+def hook_fingers(hand: Hand, hands: Hands, solid: Solid, start: Array) -> Fingers:
+    """Close fingers that lie across a bar around it: the knuckle until it touches, then the middle joint, then the end.
+
+    A finger that does not lie across it is bent as the one beside it is, as far as it can.
+
+    Args:
+        hand: that closes.
+        hands: C of them.
+        solid: that has the bar.
+        start: (C, 4, 3) the flexion of the fingers across it, the ends bent as they go through behind it.
+    """
+    end = start + np.array([KNUCKLE, 0.0, 0.0])
+    across, link = _meet(start, end, _gaps_from(hand, hands, solid, 0, start))
+    loose = (link == NOTHING)[..., None]
+    flexion = np.where(loose, start, across)
+    for joint in (1, 2):
+        last = flexion.copy()
+        last[..., joint] = MOST[joint]
+        further, _ = _meet(flexion, last, _gaps_from(hand, hands, solid, joint, flexion))
+        flexion = np.where(loose, start, further)
+    apart = np.abs(np.arange(4)[:, None] - np.arange(4)) + np.where(loose[..., 0], NOTHING, 0)[:, None]
+    beside = np.take_along_axis(flexion, apart.argmin(axis=2)[..., None], axis=1)
+    as_beside, _ = _meet(start, beside, _gaps_from(hand, hands, solid, 0, start))
+    flexion = np.where(loose, as_beside, flexion)
+    middles, radii = hand.finger_balls(flexion)
+    return Fingers(flexion, *_nearest(solid, hands.seen(middles), radii))
+
+
+def _gaps_from(hand: Hand, hands: Hands, solid: Solid, joint: int, start: Array) -> Callable[[Array], Array]:
+    """The gaps (C, 4, n, links) of the links from a joint on, along paths of flexions (C, 4, n, 3).
+
+    A ball that touches at the start, beside the joint before, stops nothing unless it goes deeper.
+    """
+
+    def of_balls(path: Array) -> Array:
+        middles, radii = hand.finger_balls(path.swapaxes(1, 2))
+        return solid.clearance(hands.seen(middles[..., joint:, :, :])) - radii[:, joint:]
+
+    before = np.minimum(of_balls(start[:, :, None]), 0.0) if joint else np.zeros(())
+
+    def gaps(path: Array) -> Array:
+        return (of_balls(path) - before).min(axis=-1).swapaxes(1, 2) + SINK
+
+    return gaps
 
 
 def close_thumb(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +13,9 @@ from ahmss.grasping.closing import THUMB_MOST, THUMB_SLACK, TOUCH, Fingers, Hand
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import FINGERS, Hand, Thumb
 
-__all__ = ["DEEP", "HOLDS", "Holding", "Trial", "best", "opener"]
+__all__ = ["DEEP", "HOLDS", "Cost", "Holding", "Trial", "best", "opener"]
 
+Cost = Callable[[Array], tuple[Array, NDArray[np.bool_]]]  # of palms (n, 7): what they cost the arm, and which it takes
 HOLDS = -0.4  # cosine between the thumb's normal and a finger's, below which what is between them is held
 THUMB_EASY = np.radians(108.0)  # of a thumb that is not turned out to its limit
 FEW = 3  # hands whose thumbs are tried
@@ -33,7 +35,8 @@ class Holding:
     flexion: (4, 3) and thumb: the same as angles. touching: which of thumb, index, middle, ring and little finger
     touch. links: how many of the fingers' twelve links do. facing: cosine between the thumb's normal and that of the
     finger most opposite to it: -1 where they press against each other, 1 where one of the two is missing. depth: metres
-    by which some skin is within the shape, 0 for none.
+    by which some skin is within the shape, 0 for none. wide: (14, 4) the fingers as they must be open before; None
+    where any way will do.
     """
 
     palm: Array
@@ -44,6 +47,7 @@ class Holding:
     links: int
     facing: float
     depth: float
+    wide: Array | None = None
 
     @property
     def holds(self) -> bool:

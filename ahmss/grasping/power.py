@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import between, conjugate, from_axis_angle, multiply, rotate, to_matrix
 from ahmss.grasping.closing import HOOK, POWER, Hands
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
-from ahmss.grasping.holding import Holding, Trial, best
+from ahmss.grasping.holding import Cost, Holding, Trial, best
+from ahmss.grasping.hook import hook, until_it_touches
 
 __all__ = ["power"]
 
@@ -22,28 +22,48 @@ CURLS = np.stack([POWER, HOOK])
 WRAPPED = 9  # links that touch where fingers are well around
 # Planes of the thumb, out of the palm to its own side, and the bend of its end.
 RISES, BENDS = np.radians([[22.0, 0.0, 40.0, 22.0, 5.0], [8.0, 8.0, 8.0, 45.0, 45.0]])
+THIN, AROUND = 0.018, np.radians(120.0)  # half of what fingers go around, metres, and how far they are bent then
+BESIDE_IT = 0.04  # metres from the axis at which a thumb is not on it
 ALONG = 0.04  # metres along the axis that the palm may be from the site
 SLANT = np.radians(15.0)  # by which the hand may lie askew of the axis
-BACK, PAST = 0.13, 0.04  # metres before the axis where the palm begins, and behind it where it has missed
-ROUNDS = 30  # of coming nearer
-CLOSE = 5e-5  # metres between palm and wall that are none
+BACK = 0.13  # metres before the axis where the palm begins
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
-def power(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
-    """The best power grip about a site's z, the palm coming from where it is.
+def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Holding | None:
+    """The best power grip about a site's z, the palm coming from where it is; fingers through a loop where it has one.
 
     Args:
         hand: that grips.
         field: of the object, in whose frame all is.
         grip: (7,) the palm's frame at present.
         site: (7,) on the axis that is gripped about.
+        cost: of palms, for an arm that can't turn the hand to each: what has a loop is held from where it can.
 
     Returns:
         The grip, which may not hold; None where the palm meets nothing on its way to the axis.
     """
+    rotation = _level(grip, site[:3], rotate(site[3:], Z))
+    wrapped = _wrapped(hand, field, grip, site, rotation)
+    thick = float(field.clearance(site[:3])) < -THIN
+    if wrapped is not None and wrapped.holds and (thick or _is_around(hand, wrapped, site)):
+        return wrapped
+    return hook(hand, field, rotation, site, cost) or wrapped
+
+
+def _is_around(hand: Hand, holding: Holding, site: Array) -> bool:
+    """Whether the fingers are bent around what is thin, and the thumb is on it and not on what is beside it."""
+    pad = hand.thumb_balls(holding.thumb)[0][1, -2]
+    q_object_hand = multiply(holding.palm[3:], conjugate(hand.grip[3:]))
+    off = holding.palm[:3] + rotate(q_object_hand, pad - hand.grip[:3]) - site[:3]
     up = rotate(site[3:], Z)
-    rotation = _level(grip, site[:3], up)
+    aside = float(np.linalg.norm(off - (off @ up) * up))
+    return aside < BESIDE_IT and float(holding.flexion.sum(axis=1).mean()) > AROUND
+
+
+def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array) -> Holding | None:
+    """The palm on the wall, fingers and thumb around it."""
+    up = rotate(site[3:], Z)
     inward = rotate(rotation, X)
     on_hand = conjugate(hand.grip[3:])
     q_object_hand = multiply(rotation, on_hand)
@@ -53,7 +73,7 @@ def power(hand: Hand, field: Field, grip: Array, site: Array) -> Holding | None:
     height = np.clip(height + BESIDE, -ALONG, ALONG)[:, None]
     starts = site[:3] + height * up - BACK * inward - INTO_FINGERS[:, None] * (to_fingers - (to_fingers @ up) * up)
     middles = starts[:, None] + (hand.palm - hand.grip[:3]) @ turn.T
-    went, met = _until_it_touches(field, middles, inward, hand.palm_radius)
+    went, met = until_it_touches(field, middles, np.broadcast_to(inward, (len(middles), 3)), hand.palm_radius)
     if not met.any():
         return None
     palms = np.concatenate([starts + went[:, None] * inward, np.tile(rotation, (len(starts), 1))], axis=1)[met]
@@ -77,14 +97,3 @@ def _level(grip: Array, axis: Array, up: Array) -> Array:
     askew = float(np.arctan2(thumb @ side, thumb @ up))  # it may point up or down the axis
     askew -= np.pi * round(askew / np.pi)
     return multiply(from_axis_angle(level, askew - float(np.clip(askew, -SLANT, SLANT))), rotation)
-
-
-def _until_it_touches(field: Field, middles: Array, inward: Array, radius: float) -> tuple[Array, NDArray[np.bool_]]:
-    """How far (C) balls (C, B, 3) go until one of each touches, and which do (C) before they are past."""
-    went = np.zeros(len(middles))
-    for _ in range(ROUNDS):
-        gap = field.clearance(middles + went[:, None, None] * inward).min(axis=1) - radius
-        went = went + np.where(went < BACK + PAST, gap, 0.0)
-        if (gap < CLOSE).all():
-            break
-    return went, (went < BACK + PAST) & (went > 0.0)

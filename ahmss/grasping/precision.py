@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, to_matrix
 from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import ALONG, Hand, Thumb
-from ahmss.grasping.holding import Holding, Trial, best
+from ahmss.grasping.holding import Cost, Holding, Trial, best
 
-__all__ = ["Cost", "precision", "thickness"]
+__all__ = ["precision", "thickness"]
 
 DEPTHS = np.array([0.015, 0.01, 0.022, 0.006])  # metres behind where the shape begins
 SPAN = 0.11  # metres between the pads at the most
@@ -31,9 +29,6 @@ TILTED, SITES, TRIED = (
 )  # what a radian of that costs; above all is what the site says; ways that are tried
 PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-
-
-Cost = Callable[[Array], tuple[Array, NDArray[np.bool_]]]  # of palms (n, 7): what they cost the arm, and which it takes
 
 
 def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Holding | None:

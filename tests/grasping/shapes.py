@@ -18,6 +18,8 @@ from ahmss.grasping.field import Field
 
 ROOT = Path(__file__).resolve().parents[2]
 WORKSPACE = Workspace(ROOT)
+THICK = 0.006  # metres, half of a mug's handle
+MUGS = {"mug46": (0.046, 0.088), "mug36": (0.036, 0.07), "mug25": (0.025, 0.06), "mug_aside": (0.046, 0.088)}
 NEAR = 0.03  # metres beyond which nobody asks how far it is
 
 
@@ -74,9 +76,32 @@ PLATE = [
 KNOB = [(0.0, 0.0), (0.012, 0.0), (0.012, 0.03), (0.02, 0.035), (0.02, 0.05), (0.0, 0.055)]
 
 
+def mug(deep: float, tall: float) -> Array:
+    """A mug with a C-handle at its +x: so far its bar is from the wall, so tall is the loop inside, metres."""
+    body = trimesh.creation.revolve(
+        [[0.0, 0.0], [0.0425, 0.0], [0.0425, 0.12], [0.0385, 0.12], [0.0385, 0.004], [0.0, 0.004]], sections=32
+    )
+    turns = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 17)
+    ring = 2.0 * np.pi * np.arange(10) / 10
+    out = np.stack([np.cos(turns), np.zeros(17), np.sin(turns)], axis=-1)
+    path = np.array([0.04, 0.0, 0.06]) + out * np.array([deep + THICK + 0.0025, 0.0, 0.5 * tall + THICK])
+    across = np.cos(ring)[:, None, None] * out + np.sin(ring)[:, None, None] * np.array([0.0, 1.0, 0.0])
+    rings = path + THICK * across
+    a, b, c, d = rings[:, :-1], np.roll(rings, -1, 0)[:, :-1], np.roll(rings, -1, 0)[:, 1:], rings[:, 1:]
+    handle = np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
+    caps = [
+        np.stack([np.broadcast_to(path[i], (10, 3)), *pair], axis=1)
+        for i, pair in (
+            (0, (np.roll(rings[:, 0], -1, 0), rings[:, 0])),
+            (-1, (rings[:, -1], np.roll(rings[:, -1], -1, 0))),
+        )
+    ]
+    return np.concatenate([np.array(body.vertices[body.faces]), handle, *caps])
+
+
 @cache
 def thing(name: str) -> Thing:
-    """`cup40` to `cup110`, `lever`, `tap`, `plate`, `box60`, `box80`, `box150`, `knob`."""
+    """`cup40` to `cup110`, `lever`, `tap`, `plate`, `box60`, `box80`, `box150`, `knob`, and `MUGS`."""
     ahead = np.array([1.0, 0.0, 0.0])
     if name.startswith("cup"):
         scale = float(name[3:]) / 72.0
@@ -84,6 +109,10 @@ def thing(name: str) -> Thing:
         return Thing(triangles, frame((0.0, 0.0, 0.052), (1, 0, 0), (0, 0, 1)), "power", ahead)
     if name.startswith("box"):
         return Thing(box(0.001 * float(name[3:])), frame((0, 0, 0.06), (1, 0, 0), (0, 1, 0)), "precision", ahead)
+    if name.startswith("mug"):
+        deep, tall = MUGS[name]
+        site = frame((0.04 + deep + THICK + 0.0025, 0.0, 0.06), (-1, 0, 0), (0, 0, 1))
+        return Thing(mug(deep, tall), site, "power", np.array([0.0, -1.0, 0.0]) if name == "mug_aside" else -ahead)
     if name == "lever":
         kept = WORKSPACE.objects.get("door").sites["lever"]
         site = np.array([*kept.position, *kept.rotation])

@@ -11,7 +11,7 @@ from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import conjugate, from_matrix, multiply, rotate
-from ahmss.grasping.hand import Hand
+from ahmss.grasping.hand import FINGERS, Hand
 from ahmss.grasping.holding import Holding
 from ahmss.grasping.power import power
 from ahmss.grasping.precision import precision
@@ -21,6 +21,8 @@ from .shapes import WORKSPACE, field, outside, thing
 
 DEEPEST = 0.002  # metres that a finger may be within the shape
 TOUCHES = 0.003  # metres within which the skin is on it
+LOOSELY = 0.005  # metres within which a finger in a loop has its bar: where it is narrow the ends don't bend further
+AROUND = -0.3  # cosine between the normals under two links of a finger that goes around a bar
 OPPOSITE = -0.6  # cosine between the normals under the thumb and under the finger most opposite to it
 NAMES = ("cup40", "cup55", "cup72", "cup90", "cup110", "lever", "tap", "plate", "box60", "box80", "knob")
 ALL = ("cup72", "lever", "plate", "box60")  # held by either hand of both; the others by ken's right, aiko's left
@@ -84,16 +86,35 @@ def test_it_holds_and_no_finger_is_deeper_than_2_mm(name: str, who: str, side: s
     assert facing(thumb, others, name) < OPPOSITE
 
 
-def facing(thumb: Array, others: Array, name: str) -> float:
+@pytest.mark.parametrize(
+    ("name", "who", "side"),
+    [(name, *hand) for name in ("mug46", "mug25") for hand in HANDS] + [("mug36", *HANDS[0]), ("mug_aside", *HANDS[0])],
+)
+def test_fingers_go_through_the_loop_of_a_mug_and_around_its_handle(name: str, who: str, side: str) -> None:
+    holding = held(name, who, side)
+    assert holding is not None
+    assert holding.holds
+    points, link = on_object(holding, who, side)
+    distance = outside(points, thing(name).near, LOOSELY)
+    assert distance.min() > -DEEPEST, LINKS[link[distance.argmin()]]
+    through = 0
+    for finger in FINGERS:
+        own = points[[LINKS[k].startswith(f"{side}_{finger}") for k in link.tolist()]]
+        through += bool(facing(own, own, name, LOOSELY) < AROUND)
+    assert through >= 2
+    assert distance[[LINKS[k].startswith(f"{side}_thumb") for k in link.tolist()]].min() < LOOSELY
+
+
+def facing(thumb: Array, others: Array, name: str, within: float = TOUCHES) -> float:
     """The least cosine between the surface's normals at the thumb's nearest points and those where fingers touch."""
-    normals = [exact_normals(points, name) for points in (thumb, others)]
-    return float((normals[0] @ normals[1].T).min())
+    normals = [exact_normals(points, name, within) for points in (thumb, others)]
+    return float((normals[0] @ normals[1].T).min(initial=1.0))
 
 
-def exact_normals(points: Array, name: str) -> Array:
+def exact_normals(points: Array, name: str, within: float) -> Array:
     """Normals (m, 3), by exact differences, at those of the points that are on the surface."""
     near = thing(name).near
-    touching = points[outside(points, near, TOUCHES) < TOUCHES][::7]
+    touching = points[outside(points, near, within) < within][::7]
     step = 2e-3 * np.eye(3)
     slope = np.stack([outside(touching + s, near, 0.01) - outside(touching - s, near, 0.01) for s in step], axis=1)
     return slope / np.linalg.norm(slope, axis=1, keepdims=True)

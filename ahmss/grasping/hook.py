@@ -1,0 +1,168 @@
+"""The hook grip: fingers through a handle's loop and around its bar, the thumb on top (Napier 1956 calls it so)."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, to_matrix
+from ahmss.grasping.closing import THUMB_MOST, Fingers, Hands, hook_fingers
+from ahmss.grasping.field import Field
+from ahmss.grasping.hand import FINGERS, Hand, Thumb
+from ahmss.grasping.holding import DEEP, THUMB_OPENS_BY, Cost, Holding
+
+__all__ = ["hook", "until_it_touches"]
+
+# What is tried: radians about the bar by which the palm is turned from how it is, at the knuckles, and of the fingers'
+# middle and end joints as they come; metres from the knuckles at which the bar lies across the fingers, and along it.
+AROUND = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
+KNUCKLES, ENDS = np.radians([30.0, 10.0, 55.0]), np.radians([[12.0, 55.0], [12.0, 30.0], [75.0, 30.0], [75.0, 30.0]])
+THREE = 3  # of these, where the little finger stays straight: it does not go through
+ACROSS, NEAR, FAR = np.array([0.022, 0.032]), np.array([0.0, -0.013, 0.013]), np.array([-0.024, 0.024])
+TURNS = 2  # about the bar, that are tried
+ARM, CANNOT = 0.2, 3.0  # what counts of what a palm costs the arm, and of one that it can't take
+MANY, SOME = 48, 2  # hands that are closed; of their balls every second counts as they come
+ON = 0.0025  # metres within which a link is on the bar
+OPPOSITE = -0.3  # cosine between the normals under the links of a finger that goes around
+STRAIGHT = np.radians(10.0)
+LEAST = 2  # fingers through the loop
+OUTS, RISES, BENDS = (np.radians(a) for a in (np.arange(20.0, 90.0, 2.5), np.arange(0.0, 81.0, 16.0), [8.0, 30.0]))
+BACK, MISSED = 0.12, 0.17  # metres before the bar where the hand begins, and after which it has missed
+ROUNDS, CLOSE = 12, 1e-4  # of coming nearer; metres that are none
+X = np.array([1.0, 0.0, 0.0])
+
+
+def hook(hand: Hand, field: Field, rotation: Array, site: Array, cost: Cost | None = None) -> Holding | None:
+    """The best hook grip about a site's z.
+
+    Args:
+        hand: that grips.
+        field: of the object, in whose frame all is.
+        rotation: (4,) the palm's, its x to the bar, its z along it or against.
+        site: (7,) on the bar's axis.
+        cost: of palms, for an arm that can't turn the hand to each.
+
+    Returns:
+        The grip; None where the bar does not come to lie across at least two fingers that go around it.
+    """
+    up = rotate(site[3:], np.array([0.0, 0.0, 1.0]))
+    palms = np.concatenate(
+        [np.tile(site[:3], (len(AROUND), 1)), multiply(from_axis_angle(up, AROUND), rotation)], axis=1
+    )
+    worth = 0.5 * np.abs(AROUND)
+    if cost is not None:
+        of_arm, can = cost(palms)
+        worth = worth + ARM * of_arm + np.where(can, 0.0, CANNOT)
+    order = np.argsort(worth, kind="stable")
+    first, second, last = np.split(order, [TURNS, 2 * TURNS + 1])
+    for few, along in ((first, NEAR), (second, NEAR), (last, NEAR), (order[: TURNS + 1], FAR)):
+        hands, start, against = _across(hand, field, palms[few], up, worth[few], along)
+        if not len(against):
+            continue
+        fingers = hook_fingers(hand, hands, field, start)
+        around = _around(field, fingers)
+        balls = hands.seen(np.broadcast_to(hand.palm, (len(against), *hand.palm.shape)))
+        depth = -np.minimum((field.clearance(balls) - hand.palm_radius).min(axis=1), fingers.gaps.min(axis=(1, 2)))
+        through = (around < OPPOSITE).sum(axis=1)
+        off = fingers.loose().mean(axis=1)
+        i = int((against - 1.0 * through + 300.0 * np.maximum(depth - 0.5 * DEEP, 0.0) + 60.0 * off).argmin())
+        if through[i] >= LEAST and depth[i] < DEEP:
+            return _held(hand, field, hands.chosen(np.array([i])), start[i], fingers, i)
+    return None
+
+
+def _held(hand: Hand, field: Field, one: Hands, start: Array, fingers: Fingers, i: int) -> Holding:
+    """The grip of one hand, the i-th whose fingers have closed from `start` (4, 3)."""
+    flexion, touching = fingers.flexion[i], fingers.gaps[i] < ON
+    thumb, gap = _thumb(hand, field, one, flexion)
+    names = ["thumb"] if gap < ON else []
+    names += [name for name, on in zip(FINGERS, touching.any(axis=1), strict=True) if on]
+    q_palm = multiply(from_matrix(one.turn[0]), hand.grip[3:])
+    palm = np.concatenate([one.place[0] + one.turn[0] @ hand.grip[:3], q_palm])
+    balls = one.seen(hand.palm[None])
+    depth = -min(float((field.clearance(balls) - hand.palm_radius).min()), float(fingers.gaps[i].min()), gap)
+    out = Thumb(np.minimum(thumb.out + THUMB_OPENS_BY, THUMB_MOST), thumb.rise, thumb.bend)
+    around = _around(field, Fingers(flexion[None], fingers.gaps[i : i + 1], fingers.touches[i : i + 1]))
+    return Holding(
+        palm, hand.rotations(flexion, thumb), flexion, thumb, tuple(names), int(touching.sum()),
+        float(around.min()), max(depth, 0.0), hand.rotations(start, out),
+    )  # fmt: skip
+
+
+def _across(
+    hand: Hand, field: Field, turned: Array, up: Array, worth: Array, along: Array
+) -> tuple[Hands, Array, Array]:
+    """Hands (C) whose open fingers (C, 4, 3) lie on a bar along `up`, and what speaks against each (C), the best first.
+
+    The palms' rotations are those of `turned` (n, 7), at a place of the bar; `worth` (n) speaks against these. `along`
+    (m) is by how much the fingers' middle is moved along the bar.
+    """
+    numbers = (range(len(turned)), range(len(KNUCKLES)), range(len(ENDS)), range(len(ACROSS)), range(len(along)))
+    which, k, end, a, m = np.array([*product(*numbers)], np.intp).T
+    knuckle, across, along = KNUCKLES[k], ACROSS[a], along[m]
+    cost = worth[which] + 0.2 * np.abs(knuckle - KNUCKLES[0]) + 4.0 * np.abs(along) + 0.05 * end
+    start = np.concatenate([knuckle[:, None], ENDS[end]], axis=-1)
+    start = np.repeat(start[:, None], 4, axis=1)
+    start[end == THREE, 3, 1:] = STRAIGHT
+    palms = turned[which, 3:]
+    turn = to_matrix(multiply(palms, conjugate(hand.grip[3:])))
+    inward = rotate(palms, X)
+    root = hand.roots[:3].mean(axis=0)
+    bar = np.stack([root[0] + across * np.cos(knuckle), np.zeros_like(across), np.full_like(across, root[2])], axis=-1)
+    places = turned[0, :3] + along[:, None] * up - np.einsum("cij,cj->ci", turn, bar) - BACK * inward
+    fingers, radii = hand.finger_balls(start)
+    some = fingers[..., ::SOME, :].reshape(len(start), -1, 3)
+    balls = np.concatenate([some, np.broadcast_to(hand.palm, (len(start), *hand.palm.shape))], axis=1)
+    wide = np.concatenate([radii[..., ::SOME].reshape(-1), np.full(len(hand.palm), hand.palm_radius)])
+    middles = Hands(places, turn).seen(balls)
+    went, met = until_it_touches(field, middles, inward, wide)
+    places = places + went[:, None] * inward
+    first = Hands(places, turn).seen(fingers[:, :, 0])
+    lies = ((field.clearance(first) - radii[:, 0]).min(axis=-1) < ON).sum(axis=1) >= 1
+    chosen = np.flatnonzero(met & lies)
+    chosen = chosen[np.argsort(cost[chosen], kind="stable")][:MANY]
+    return Hands(places[chosen], turn[chosen]), start[chosen], cost[chosen]
+
+
+def _thumb(hand: Hand, field: Field, one: Hands, flexion: Array) -> tuple[Thumb, float]:
+    """Where the thumb lies on top of the handle, or else beside the fingers (4, 3); and its gap from the shape."""
+    out, rise, bend = (a.ravel() for a in np.meshgrid(OUTS, RISES, BENDS, indexing="ij"))
+    balls, radii = hand.thumb_balls(Thumb(out, rise, bend))
+    seen = one.seen(balls.reshape(1, -1, 3)).reshape(balls.shape)
+    gaps = (field.clearance(seen) - radii).reshape(len(out), -1)
+    middles, wide = hand.finger_balls(flexion)
+    others, wide = middles[:2].reshape(-1, 3), wide[:2].reshape(-1)
+    ends = balls[:, 1]
+    apart = (np.linalg.norm(ends[:, :, None] - others, axis=-1) - radii[1][:, None] - wide).min(axis=(1, 2))
+    nearest = gaps.reshape(len(out), 2, -1)[:, 1].argmin(axis=1)
+    pads = seen[np.arange(len(out)), 1, nearest]
+    top = -(one.turn[0] @ np.array([0.0, 0.0, 1.0]))  # to the thumb's side
+    gap = gaps.min(axis=1)
+    score = np.minimum(np.abs(gap) / ON, 4.0) + (1.0 - field.normals(pads) @ top) * (gap < 4.0 * ON) + 0.6 * out
+    score += 2000.0 * (np.maximum(-gap - 0.3 * DEEP, 0.0) + np.maximum(-apart - DEEP, 0.0))
+    i = int(score.argmin())
+    return Thumb(out[i], rise[i], bend[i]), float(gap[i])
+
+
+def _around(field: Field, fingers: Fingers) -> Array:
+    """The least cosine (C, 4) between the normals under a finger's first link and a later one; 1 where it is off."""
+    normal = field.normals(fingers.touches)
+    on = fingers.gaps < ON
+    between = np.einsum("cfi,cfki->cfk", normal[..., 0, :], normal[..., 1:, :])
+    return np.where(on[..., :1] & on[..., 1:], between, 1.0).min(axis=-1)
+
+
+def until_it_touches(
+    field: Field, middles: Array, inward: Array, radii: Array | float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """How far (C) balls (C, B, 3) go along directions (C, 3) until one of each touches, and which do (C)."""
+    went = np.zeros(len(middles))
+    for _ in range(ROUNDS):
+        gap = (field.clearance(middles + went[:, None, None] * inward[:, None]) - radii).min(axis=1)
+        went = went + np.where(went < MISSED, gap, 0.0)
+        if (gap < CLOSE).all():
+            break
+    return went, (went < MISSED) & (went > 0.0)
