@@ -14,7 +14,7 @@ from pathlib import Path
 from room_shapes import devices
 from room_shapes.dxf_out import write_dxf
 
-MODELS = ("keyboard", "touch_panel")
+MODELS = ("keyboard", "touch_panel", "manual", "telephone", "handset")
 
 
 def main(workspace: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from room_shapes.lettering import lettering
-from room_shapes.solids import Piece, bevelled, box, loft, rectangle, rounded, slab
+from room_shapes.solids import Piece, bevelled, box, lathe, loft, rectangle, rounded, slab, tube
 
 Color = tuple[int, int, int]
 Model = tuple[list[Piece], dict[str, Color]]
@@ -157,3 +157,76 @@ def _pump() -> list[Piece]:
     out.append(lettering("pump_page", "SPEED", (-13.0, -4.2), 1.0))
     out += [plate("track", (0.0, -8.0), (26.0, 0.8), 0.01), plate("knob", (-12.0, -8.0), (1.6, 3.4), 0.05)]
     return out
+
+
+LEAVES = 5  # of the manual: its cover and four pages that turn
+HINGE, PAPER = (-9.0, 0.75), 0.03  # cm: where the rings are, aside and up; thickness of a page
+
+
+def manual() -> Model:
+    """A ring-bound manual on a board of 18 x 25 cm; its lower margin is for the hand, who reads is at +x."""
+    pieces = [slab("board", rounded(25.0, 18.0, 0.6, 2), [(0.0, 0.0), (0.35, 0.0)])]
+    pieces.append(_sheet("block", 0.35, 0.55))
+    colors: dict[str, Color] = {"board": (52, 60, 74), "block": (244, 242, 234), "rings": (120, 124, 130)}
+    for k in range(12):
+        x = -11.2 + 1.75 * k
+        turns = np.linspace(0.35, 2.0 * np.pi - 0.35, 9) + 0.5 * np.pi
+        ring = [[x, HINGE[0] + 0.62 * np.sin(a), 0.45 + 0.62 * np.cos(a)] for a in turns]
+        pieces.append(tube("rings", ring, 0.09, 4))
+    top = 0.55 + PAPER * LEAVES
+    for leaf in range(LEAVES):
+        z = top - PAPER * leaf
+        pieces.append(_sheet(f"leaf_{leaf}", z, z + 0.6 * PAPER))
+        pieces += [piece.turned("z", 90).moved(-2.0, 0.3, z + PAPER) for piece in _written(leaf)]
+        colors |= {f"leaf_{leaf}": (250, 249, 244), f"ink_{leaf}": (48, 52, 60)}
+    colors |= {"leaf_0": (178, 56, 44), "ink_0": (250, 240, 226), "photo": (120, 156, 186)}
+    pieces.append(lettering(f"ink_{LEAVES}", "END", (0.0, 0.0), 1.0).turned("z", 90).moved(-2.0, 0.3, 0.56))
+    return pieces, colors | {f"ink_{LEAVES}": (48, 52, 60)}
+
+
+def _sheet(layer: str, low: float, high: float) -> Piece:
+    """What lies between the rings and the right edge, above the margin."""
+    return box(layer, (-12.0, -8.6, low), (8.0, 8.4, high))
+
+
+def _written(leaf: int) -> list[Piece]:
+    """The lines of a page, seen with x to the right and y up, about its middle."""
+    layer = f"ink_{leaf}"
+    if leaf == 0:
+        return [lettering(layer, "PUMP 1", (0.0, 3.6), 1.7), lettering(layer, "START UP", (0.0, 0.6), 1.2)]
+    lines = [lettering(layer, f"STEP {leaf}", (-3.6, 7.0), 1.1)]
+    wide = np.random.default_rng(leaf).uniform(7.0, 13.0, 9)
+    lines += [plate(layer, (-6.6 + 0.5 * w, 4.8 - 1.35 * i), (float(w), 0.28)) for i, w in enumerate(wide)]
+    return lines
+
+
+def telephone() -> Model:
+    """The base: 22 x 18 cm, a cradle on top at the far side and keys before it; who calls is at +x."""
+    rings = [rectangle((-9, -10, 0), (9, 10, 0), 0.0), rectangle((-9, -10, 0), (9, 10, 0), 2.2)]
+    wedge = loft("base", rings)
+    wedge.corners[wedge.corners[:, 2] > 1.0] += np.where(
+        wedge.corners[wedge.corners[:, 2] > 1.0][:, :1] < 0, (0, 0, 2.6), 0
+    )
+    pieces = [wedge]
+    for side in (-1.0, 1.0):
+        for low, high in ((-8.8, -7.6), (-2.4, -1.2)):
+            y0, y1 = sorted((side * 5.6, side * 8.6))
+            pieces.append(box("base", (low, y0, 3.4), (high, y1, 5.6)))
+    for row in range(4):
+        for column in range(3):
+            x = 0.8 + 1.9 * row
+            z = 2.2 + 2.6 * (9.0 - x) / 18.0
+            pieces.append(
+                box("keys", (x - 0.6, -3.0 + 2.2 * column, z - 0.3), (x + 0.6, -1.4 + 2.2 * column, z + 0.25))
+            )
+    return pieces, {"base": (66, 70, 78), "keys": (222, 222, 216)}
+
+
+def handset() -> Model:
+    """20 cm along y, two cups that look down and a grip between them; its origin is under its middle."""
+    path = [[0.0, -7.4, 4.1], [0.0, -5.2, 4.7], [0.0, -2.4, 4.9], [0.0, 2.4, 4.9], [0.0, 5.2, 4.7], [0.0, 7.4, 4.1]]
+    pieces = [tube("grip", path, [1.3, 1.35, 1.3, 1.3, 1.35, 1.3], 10)]
+    for side in (-1.0, 1.0):
+        cup = lathe("cups", [(0.0, 0.0), (2.1, 0.0), (2.4, 0.5), (2.2, 2.6), (1.4, 4.2), (0.0, 4.6)], 14)
+        pieces.append(cup.moved(0.0, side * 7.4, 0.6))
+    return pieces, {"grip": (52, 56, 64), "cups": (46, 50, 58)}

@@ -1,0 +1,97 @@
+"""Laying down what is held: it comes over its place, sinks, and the hand opens and draws back the way that it took it.
+
+The place is the goal that was said, its own x turned as the human faces away from it; or the site `rest` of what
+contains it, as a cradle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
+from ahmss.body.array import Array
+from ahmss.body.links import fingers
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
+from ahmss.errors import AlgorithmError
+from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.fingers import opened
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.plan import Reaching
+from ahmss.reaching.reacher import heading_of
+
+OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
+SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
+TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def lay_down(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): it comes over its place and sinks; the hand opens and goes back."""
+    if task.object is None or not task.hand:
+        raise AlgorithmError("nothing is in the hand")
+    if task.carried:
+        raise AlgorithmError("stand still to lay it down; walk there first")
+    rests = _rests(task)
+    held = task.start.grip(task.hand).inverse().then(task.object.frame).inverse()
+    palms = rests.then(Transform(np.repeat(held.place[None], len(rests.place), axis=0), held.rotation)).row()
+    gaze = Looking(task, rests.place[0])
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    goal = Goal(rests.place[0], palms={task.hand: palms})
+    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP)
+    palm = np.concatenate([plan.palm[:3] - OVER * UP, plan.palm[3:]])
+    links = list(fingers(task.hand))
+    shape = task.start.rotations[links]
+    then, open_by = _then(task, palm)
+    made = yield from performed(task, reaching, plan, gaze, (links, shape), then)
+    length = len(made.root) - len(then)
+    made.rotations[length:, links] = slerp(shape, opened(task.hand, shape[:2]), open_by[:, None])
+    yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _rests(task: HumanTask) -> Transform:
+    """The frames (n) in which it may lie.
+
+    Raises:
+        AlgorithmError: neither a place was said, nor does it belong anywhere.
+    """
+    assert task.object is not None
+    if task.goal_place is not None:
+        away = heading_of(task.start.rotations, task.start.root) + np.pi
+        turned = from_axis_angle(UP, away + TURNS)
+        return Transform(np.repeat(task.goal_place[None], len(turned), axis=0), turned)
+    rest, inside = task.parameter("rest", ""), task.object.name.rpartition("/")[0]
+    home = next((thing for thing in task.world.values() if thing.name == inside and rest in thing.sites), None)
+    if home is None:
+        raise AlgorithmError(f"{task.object.name} belongs nowhere here; say a place, as: to X Y Z")
+    frame = home.site(rest, task.start.root)
+    return Transform(frame.place[None], frame.rotation[None])
+
+
+def _then(task: HumanTask, palm: Array) -> tuple[Array, Array]:
+    """Palms (n, 7) from over the place down to it, and away while the hand is open; how far it is open (n)."""
+    counts = [round(seconds * task.rate) for seconds in (SINKS, RESTS, OPENS, LEAVES)]
+    share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
+    zero = [np.zeros(count) for count in counts]
+    over = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3]])
+    away = np.concatenate([zero[0], zero[1], zero[2], share[3]])
+    palms = np.repeat(palm[None], len(over), axis=0)
+    palms[:, :3] += OVER * over[:, None] * UP + BACK * away[:, None] * _back(task, palm)
+    return palms, np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0])
+
+
+def _back(task: HumanTask, palm: Array) -> Array:
+    """The direction (3,) in which the opened hand leaves: back from a pinch, away from the palm of a fist."""
+    assert task.object is not None
+    named = task.object.sites.get(task.message.site)
+    if named is None or named.grip != "precision":
+        return rotate(palm[3:], np.array([-1.0, 0.0, 0.0]))
+    in_palm = task.start.grip(task.hand).inverse().then(task.object.frame)
+    site = in_palm.then(Transform(np.array(named.position), np.array(named.rotation)))
+    return -rotate(multiply(palm[3:], site.rotation), np.array([1.0, 0.0, 0.0]))
+
+
+if __name__ == "__main__":
+    run(lay_down)

@@ -1,0 +1,211 @@
+"""take_up, taken, lay_down and turn_page: a telephone to the ear and back, a manual before the eyes and its pages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, ObjectPose, Transform, frames
+from ahmss.algorithm.messages import Goal, ObjectRecord, Start
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
+from ahmss.errors import AlgorithmError
+from ahmss.grasping.fingertips import pad
+from ahmss.motion.smoothness import worst_pop
+
+from .devices import SIDES, at, before, begun, device, mover, posed
+from .scene import program
+
+OTHERS = (("ken", "left"), ("aiko", "right"))
+CASES = [("ken", "right"), ("aiko", "left"), *(pytest.param(*one, marks=pytest.mark.long) for one in OTHERS)]
+CRADLE = np.array([-0.05, 0.0, 0.04])
+
+
+class Scene:
+    """Somebody before a desk with something on it that is taken up."""
+
+    def __init__(self, name: str, side: str, kind: str, site: str, to: str) -> None:
+        self.base = at(1.0, -0.5, 0.88, 2.1)
+        offset = CRADLE if kind == "handset" else np.zeros(3)
+        self.frame = Transform(self.base.apply(offset), self.base.rotation)
+        self.body, self.side, self.kind, self.site = before(name, self.base, 0.5), side, kind, site
+        self.start = begun(self.body, self.named(self.frame), site, {"to": to}, hand=side, hold="take")
+        self.shown = self.body.do("take_up", self.start)
+        self.followed = self.follow(self.start, self.shown)
+        self.held = self.followed[-1]
+
+    def named(self, frame: Transform, states: dict[str, Any] | None = None) -> ObjectRecord:
+        told = device(self.kind, frame, states, shaped=True)
+        return msgspec.structs.replace(told, name=f"telephone/{self.kind}")
+
+    def follow(self, start: Start, shown: list[HumanPose]) -> list[ObjectPose]:
+        return list(frames(program("taken"), mover(self.body, start), self.body.rows(shown)))
+
+    def goes_on(self, algorithm: str, parameters: dict[str, Any], hold: str, **given: Any) -> list[HumanPose]:
+        """What is done next with it in the hand; the frames of it."""
+        self.next = begun(
+            self.body, self.named(Transform(self.held.place, self.held.rotation), given.pop("states", None)), self.site,
+            parameters, hand=self.side, hold=hold, **given,
+        )  # fmt: skip
+        return self.body.do(algorithm, self.next)
+
+    def both(self, shown: list[HumanPose]) -> list[ObjectPose]:
+        """Where it is in the frames of taking it, and of what was done next."""
+        return self.follow(self.start, [*self.shown, *shown])[len(self.shown) :]
+
+    def in_palm(self, shown: list[HumanPose], followed: list[ObjectPose]) -> Array:
+        """It in the palm's frame (F, 3)."""
+        row = SIDES.index(self.side)
+        places: list[Array] = []
+        for pose, thing in zip(shown, followed, strict=True):
+            palm = Transform.of(grips(self.body.skeleton, pose.rotations, pose.root)[row])
+            places.append(palm.inverse().apply(thing.place))
+        return np.array(places)
+
+
+def head(scene: Scene, pose: HumanPose) -> Transform:
+    places, turned = (of[0] for of in posed(scene.body, [pose]))
+    return Transform(places[INDEX["head"]], turned[INDEX["head"]])
+
+
+@pytest.mark.parametrize(("name", "side"), CASES)
+def test_a_handset_comes_to_ear_and_mouth_and_goes_back(name: str, side: str) -> None:
+    scene = Scene(name, side, "handset", "bar", "ear")
+    caught = next(k for k, pose in enumerate(scene.followed) if pose.states.get("taken") == "yes")
+    assert np.ptp(scene.in_palm(scene.shown[caught:], scene.followed[caught:]), axis=0).max() < 1e-6
+    sign = 1.0 if side == "left" else -1.0
+    ends = [Transform(scene.held.place, scene.held.rotation).apply(np.array([0.0, s * 0.074, 0.006])) for s in (1, -1)]
+    seen = head(scene, scene.shown[-1]).inverse()
+    eye = scene.body.skeleton.eye
+    ear, mouth = sorted((seen.apply(end) - eye for end in ends), key=lambda end: -end[2])
+    assert 0.05 < sign * ear[1] < 0.11  # at the side of the head, behind the eyes and a little below them
+    assert 0.07 < ear[2] < 0.12
+    assert -0.06 < ear[0] < 0.0
+    assert mouth[0] < -0.04  # before the mouth, and outside of the face
+    assert -0.06 < mouth[2] < 0.02
+    assert sign * mouth[1] > 0.01
+    assert worst_pop(np.array([pose.rotations for pose in scene.shown])).degrees < 2.0
+    assert out_of_the_trunk(scene, scene.shown[-1])
+    world = [msgspec.structs.replace(device("telephone", scene.base), id=9)]
+    shown = scene.goes_on("lay_down", {"rest": "cradle"}, "release", world=world)
+    laid = scene.both(shown)
+    assert [pose.states["taken"] for pose in laid if "taken" in pose.states] == ["no"]
+    assert np.linalg.norm(laid[-1].place - scene.frame.place) < 0.003
+    assert abs(laid[-1].rotation @ scene.frame.rotation) > 0.9999
+    assert np.linalg.norm(shown[-1].targets[SIDES.index(side), :3] - laid[-1].place) > 0.1
+
+
+def out_of_the_trunk(scene: Scene, pose: HumanPose) -> bool:
+    """Whether elbow and forearm are outside of the trunk."""
+    places, turned = (of[0] for of in posed(scene.body, [pose]))
+    spine = Transform(places[INDEX["spine"]], turned[INDEX["spine"]]).inverse()
+    elbow, wrist = (places[INDEX[f"{scene.side}_{link}"]] for link in ("lower_arm", "hand"))
+    shoulder = spine.apply(places[INDEX[f"{scene.side}_upper_arm"]])
+    for share in (0.0, 0.3, 0.6):
+        point = spine.apply(elbow + share * (wrist - elbow))
+        if point[0] < shoulder[0] and np.hypot(point[1] / 0.15, point[2] / 0.11) < 1.0:
+            return False
+    return True
+
+
+@pytest.mark.parametrize(("name", "side"), CASES)
+def test_a_manual_is_held_so_that_it_can_be_read(name: str, side: str) -> None:
+    scene = Scene(name, side, "manual", "edge", "eyes")
+    page = Transform(scene.held.place, scene.held.rotation)
+    eyes = head(scene, scene.shown[-1]).apply(scene.body.skeleton.eye)
+    off = eyes - page.place
+    assert 0.3 < np.linalg.norm(off) < 0.75
+    facing = rotate(page.rotation, np.array([0.0, 0.0, 1.0])) @ off / np.linalg.norm(off)
+    assert facing > np.cos(np.radians(40.0))
+    assert rotate(page.rotation, np.array([-1.0, 0.0, 0.0]))[2] > 0.2  # what is up in it is up
+    assert worst_pop(np.array([pose.rotations for pose in scene.shown])).degrees < 2.0
+
+
+def leaf_and_pinch(scene: Scene, shown: list[HumanPose]) -> tuple[Array, Array, Array]:
+    """How far the leaf is turned (F,), its corner (F, 3), and the middle between thumb and index (F, 3)."""
+    book, other = Transform(scene.held.place, scene.held.rotation), SIDES[1 - SIDES.index(scene.side)]
+    turn, share = np.zeros(len(shown)), 0.0
+    for k, pose in enumerate(shown):
+        share = float(pose.states.get("turn", share))
+        turn[k] = share
+    hinge, corner = np.array([0.0, -0.09, 0.0075]), np.array([0.055, 0.084, 0.007])
+    angle = np.radians(358.0) * turn
+    off = corner - hinge
+    swung = np.stack([np.full(len(turn), off[0]), np.cos(angle) * off[1] - np.sin(angle) * off[2],
+                      np.sin(angle) * off[1] + np.cos(angle) * off[2]], axis=-1)  # fmt: skip
+    places, turned = posed(scene.body, shown)
+    pads: list[Array] = []
+    for finger in ("thumb", "index"):
+        link = INDEX[f"{other}_{finger}_distal"]
+        tip = places[:, link] + rotate(turned[:, link], scene.body.skeleton.tips[link])
+        along = rotate(turned[:, link], np.array([1.0, 0.0, 0.0]))
+        pads.append(pad(tip, along, float(scene.body.skeleton.radii[link]), along))
+    return turn, book.apply(hinge + swung), 0.5 * (pads[0] + pads[1])
+
+
+def turned(scene: Scene, page: float, **parameters: Any) -> list[HumanPose]:
+    """The frames of turning a page, states and all."""
+    states = {"page": page, "cover": "open" if page else "closed"}
+    start = begun(
+        scene.body, scene.named(Transform(scene.held.place, scene.held.rotation), states), scene.site, parameters,
+        hand=scene.side, hold="keep",
+    )  # fmt: skip
+    made = list(frames(program("turn_page"), start))
+    shown = scene.body.do("turn_page", start)
+    return [
+        HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, told.states)
+        for pose, told in zip(shown, made, strict=True)
+    ]
+
+
+@pytest.mark.parametrize(("name", "side"), [("ken", "left"), ("aiko", "left")])
+def test_a_page_goes_with_thumb_and_finger(name: str, side: str) -> None:
+    scene = Scene(name, side, "manual", "edge", "eyes")
+    shown = turned(scene, 1.0)
+    turn, corner, pinch = leaf_and_pinch(scene, shown)
+    led = np.flatnonzero((turn > 0.001) & (turn < 0.33))
+    assert len(led) > 25
+    assert np.linalg.norm(corner[led] - pinch[led], axis=1).max() < 0.01
+    pages = [pose.states["page"] for pose in shown if "page" in pose.states]
+    assert set(pages) == {2.0}
+    assert (np.diff(turn[: int(np.flatnonzero(turn > 0.99)[0])]) >= 0.0).all()
+    own = SIDES.index(side)
+    held = np.array([grips(scene.body.skeleton, pose.rotations, pose.root)[own, :3] for pose in shown])
+    assert np.ptp(held, axis=0).max() < 0.01  # the book is held still
+
+
+def test_a_page_is_turned_back() -> None:
+    scene = Scene("ken", "left", "manual", "edge", "eyes")
+    shown = turned(scene, 1.0, back=True)
+    told = [pose.states for pose in shown if "turn" in pose.states]
+    assert told[0]["page"] == 0.0
+    assert told[0]["turn"] > 0.98
+    assert told[-1]["turn"] == 0.0
+
+
+def test_there_is_an_end_to_the_pages() -> None:
+    scene = Scene("ken", "left", "manual", "edge", "eyes")
+    with pytest.raises(AlgorithmError, match="the last page of telephone/manual is open"):
+        turned(scene, 5.0)
+    with pytest.raises(AlgorithmError, match="telephone/manual is closed"):
+        turned(scene, 0.0, back=True)
+
+
+def test_a_manual_is_laid_down_where_it_was_said() -> None:
+    scene = Scene("aiko", "left", "manual", "edge", "eyes")
+    place = scene.frame.apply(np.array([0.05, 0.06, 0.0]))
+    shown = scene.goes_on("lay_down", {}, "release", goal=Goal(place=tuple(place.tolist())))
+    laid = scene.both(shown)
+    assert np.linalg.norm(laid[-1].place - place) < 0.003
+    assert rotate(laid[-1].rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
+
+
+def test_what_belongs_nowhere_wants_a_place() -> None:
+    scene = Scene("ken", "right", "handset", "bar", "ear")
+    with pytest.raises(AlgorithmError, match="say a place"):
+        scene.goes_on("lay_down", {"rest": "cradle"}, "release")
