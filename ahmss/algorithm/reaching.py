@@ -22,7 +22,7 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
-from ahmss.reaching.performing import Fingers, Performed, perform
+from ahmss.reaching.performing import FASTEST, Fingers, Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.steps import Steps
@@ -36,6 +36,8 @@ _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the m
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
 _PERFORMED_IN = 4  # frames
+_AS_FAST = 1.03  # of the frames that a reach has: up to so many more would be no gain
+_SLOWEST = 1.6  # times as long as at ease
 _HEAD_SECONDS = 0.3  # in which the gaze comes to its place
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
@@ -126,18 +128,28 @@ def performed(
 ) -> Generator[Array, None, Performed]:
     """The frames of a plan, made a part in each of some more frames (1, 260) of the gaze.
 
+    Where nobody said how many frames it takes, it takes as many as the way needs that is taken in the end, and as many
+    as no joint is too fast in.
+
     Args:
         task: which says how many frames there are. reaching: who. plan: what `planned` found. gaze: on its way.
         fingers: links and the rotations (m, 4) that they come to.
         then: palms (m, 7) of frames that follow; the reach takes the frames before them.
     """
-    first = gaze.frames + gaze.left(_PERFORMED_IN)
     follow = 0 if then is None else len(then)
-    length = max(task.length - follow - first, 1) if task.length else round(plan.seconds * task.rate)
-    plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
-    looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
-    time = np.arange(1, length + 1) / length
-    return (yield from gaze.until(first, perform(plan, time, gaze.place, looked, fingers, then)))
+    slower = 1.0
+    while True:
+        first = gaze.frames + gaze.left(_PERFORMED_IN)
+        length = max(task.length - follow - first, 1) if task.length else round(slower * plan.seconds * task.rate)
+        plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
+        looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
+        time = np.arange(1, length + 1) / length
+        made = yield from gaze.until(first, perform(plan, time, gaze.place, looked, fingers, then))
+        needed = max(made.plan.seconds * task.rate, length * made.fastest / FASTEST) / length
+        if task.length or needed < _AS_FAST or slower >= _SLOWEST:
+            return made
+        slower = min(length * needed / (made.plan.seconds * task.rate), _SLOWEST)
+        plan = made.plan
 
 
 def refuse_far(task: HumanTask, side: str, arm: Stretch) -> None:
@@ -208,8 +220,12 @@ class Looking:
                 while self.frames < last:
                     yield self.alone()
                 return end.value
-            if self.frames < last:
+            if self.frames < last or self._waits():
                 yield self.alone()
+
+    def _waits(self) -> bool:
+        """Whether who looks there may do so for longer: nobody counts the frames, and no more of them turn anything."""
+        return not self._task.length and float(self.turned(np.array([self.frames]))[0]) >= 1.0
 
     def rows(self, frames: Array) -> Array:
         """Targets (n, 5, 8) at frames (n): the gaze, and the feet of who is not carried."""

@@ -1,4 +1,5 @@
-"""An arm along a path of wrist poses, without a flip: one swing of the elbow a frame, chosen for all frames at once.
+"""An arm along a path of wrist poses: one swing of the elbow a frame, chosen for all frames at once, so that it jumps
+only where its limits leave no other way (for what it does instead there see `arm_yielding`).
 
 Along the path the elbow's side is carried on by the smallest turn from frame to frame, so that a swing that stays the
 same is an elbow that moves no more than it must. In each frame the limits allow some arcs of it. A swing may change by
@@ -22,11 +23,12 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import between, conjugate, multiply, rotate, to_rotation_vector
 from ahmss.body.taut import corridor, taut_string
 
-__all__ = ["Way", "follow"]
+__all__ = ["Way", "begun_at", "carried_sides", "continuous", "ease_hand", "follow"]
 
 STEP = np.radians(6.0)
 """The usual most that the elbow swings from one frame to the next: a turn a second at 60 frames."""
 
+_BACK = np.radians(2.0)  # a frame, by which an arm comes back that begins beyond a limit
 _TINY = 1e-9  # metres
 _ANY = np.array([1.0, 0.0, 0.0])
 
@@ -66,23 +68,37 @@ def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP) -> Way:
         step: the most that the elbow swings from frame to frame, radians; also how fast a hand comes back that could
             not be turned as asked.
     """
-    swing = swing_of(arm, wrist, _carried_sides(arm, wrist.place, present))
-    arcs, whole_hand = _arcs(arm, swing)
+    swing = swing_of(arm, wrist, carried_sides(arm, wrist.place, present))
+    limits = begun_at(limits_of(arm), present, len(wrist.place))
+    arcs, whole_hand = _arcs(swing, limits)
     frames, batch = swing.bend.shape[0], swing.bend.shape[1:]
     phi, jumps = np.empty((frames, *batch)), np.zeros((frames, *batch), bool)
     for item in np.ndindex(batch):
         phi[(slice(None), *item)], jumps[(slice(None), *item)] = _string(arcs[(slice(None), *item)], step)
     links = swing.links(phi)
     if not whole_hand.all():
-        angles, leaps = _ease_hand(hand_angles(links), whole_hand, hand_angles(present), limits_of(arm)[HAND], step)
+        angles, leaps = ease_hand(hand_angles(links), whole_hand, hand_angles(present), limits[..., HAND, :], step)
         links = np.where(whole_hand[..., None, None], links, with_hand(links, angles))
         jumps |= leaps
     off = to_rotation_vector(multiply(conjugate(wrist_of(arm, links).rotation), wrist.rotation))
     turned = np.where(whole_hand, 0.0, np.linalg.norm(off, axis=-1))
-    return Way(_continuous(links, present), swing.missing, turned, excess(arm, links), jumps)
+    return Way(continuous(links, present), swing.missing, turned, excess(arm, links), jumps)
 
 
-def _carried_sides(arm: Arm, places: Array, present: Array) -> Array:
+def begun_at(limits: Array, present: Array, frames: int) -> Array:
+    """Limits (F, ..., 6, 2), radians: those (6, 2) of an arm, and where its present links (..., 3, 4) are beyond them.
+
+    An arm that is beyond a limit comes back within it by so much a frame: it does not leap.
+    """
+    upper = np.where(present[..., 0, :1] < 0.0, -present[..., 0, :], present[..., 0, :])
+    angles = np.concatenate([2.0 * np.arctan2(upper[..., 1:], upper[..., :1]), hand_angles(present)], axis=-1)
+    back = (_BACK * np.arange(frames)).reshape(-1, *[1] * angles.ndim)
+    low = np.minimum(limits[:, 0], angles + back)
+    high = np.maximum(limits[:, 1], angles - back)
+    return np.stack([low, high], axis=-1)
+
+
+def carried_sides(arm: Arm, places: Array, present: Array) -> Array:
     """The present elbow's side carried along the path (F, ..., 3)."""
     sides = np.empty_like(places)
     sides[0] = present_side(arm, present, places[0])
@@ -101,14 +117,14 @@ def _carried_sides(arm: Arm, places: Array, present: Array) -> Array:
     return sides
 
 
-def _arcs(arm: Arm, swing: Swing) -> tuple[Array, Any]:
-    """The allowed arcs (F, ..., n, 2), and where they allow for the hand; elsewhere they are the shoulder's alone."""
-    measures, limits = swing.measures(), limits_of(arm)
+def _arcs(swing: Swing, limits: Array) -> tuple[Array, Any]:
+    """The arcs (F, ..., n, 2) within limits (F, ..., 6, 2), and where they allow for the hand; else the shoulder's."""
+    measures = swing.measures()
     arcs = allowed(measures, limits)
     whole_hand: Any = ~np.isnan(arcs[..., 0, 0])
     rest = ~whole_hand
     if rest.any():
-        of_shoulder = allowed(measures[rest][..., SHOULDER, :, :], limits[SHOULDER])
+        of_shoulder = allowed(measures[rest][..., SHOULDER, :, :], limits[rest][..., SHOULDER, :])
         of_shoulder[np.isnan(of_shoulder[..., 0, 0]), 0] = (-np.pi, np.pi)  # nothing serves: any
         arcs[rest] = np.nan
         arcs[rest, : of_shoulder.shape[-2]] = of_shoulder
@@ -132,15 +148,15 @@ def _string(arcs: Array, step: float) -> tuple[Array, Any]:
     return phi, jumps
 
 
-def _ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: float) -> tuple[Array, Any]:
-    """Hand angles (F, ..., 3) drawn within limits (3, 2) where they are not exact (F, ...), and where they still leap.
+def ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: float) -> tuple[Array, Any]:
+    """Hand angles (F, ..., 3) drawn within limits (F, ..., 3, 2) where not exact (F, ...), and where they still leap.
 
     What is beyond a limit on one side may come back on the other: the hand is on its way there before, by a step a
     frame.
     """
     free = ~exact[..., None]
-    low = np.where(free, limits[:, 0], angles)
-    high = np.where(free, limits[:, 1], angles)
+    low = np.where(free, limits[..., 0], angles)
+    high = np.where(free, limits[..., 1], angles)
     for frame in range(len(angles) - 2, -1, -1):
         low[frame] = np.where(free[frame], np.maximum(low[frame], low[frame + 1] - step), low[frame])
         high[frame] = np.where(free[frame], np.minimum(high[frame], high[frame + 1] + step), high[frame])
@@ -155,7 +171,7 @@ def _ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: fl
     return out, leaps
 
 
-def _continuous(links: Array, present: Array) -> Array:
+def continuous(links: Array, present: Array) -> Array:
     """Links (F, ..., 3, 4) with each quaternion on the hemisphere of the frame before."""
     before = np.concatenate([present[None], links[:-1]])
     same = (links * before).sum(axis=-1) >= 0.0

@@ -117,13 +117,13 @@ def limits_of(arm: Arm) -> Array:
 
 
 def allowed(measures: Array, limits: Array) -> Array:
-    """The arcs (..., 2 n, 2), radians, begin <= end, on which n measures (..., n, 2, 3) are within limits (n, 2).
+    """The arcs (..., 2 n, 2), radians, begin <= end, on which n measures (..., n, 2, 3) are within limits (..., n, 2).
 
     In rising order, beginning within [-pi, pi] and ending within a turn of that; the rest is nan. The whole circle is
     one arc from -pi to pi.
     """
     square, product = measures[..., 0, :], measures[..., 1, :]
-    low, high = 0.5 * limits[:, :1], 0.5 * limits[:, 1:]
+    low, high = 0.5 * limits[..., :1], 0.5 * limits[..., 1:]
     under = np.sin(high) * square - np.cos(high) * product  # tan(angle / 2) <= tan(high / 2)
     over = np.cos(low) * product - np.sin(low) * square
     A, B, C = np.moveaxis(np.concatenate([under, over], axis=-2), -1, 0)
@@ -136,7 +136,7 @@ def allowed(measures: Array, limits: Array) -> Array:
     begin = np.where(fine & ~np.roll(fine, 1, axis=-1), ends, np.nan)
     end = _end_of_run(fine, ends)
     begin = np.where(end - begin < _SHORTEST, np.nan, begin)
-    order = np.argsort(begin, axis=-1)[..., : 2 * len(limits)]  # nan last
+    order = np.argsort(begin, axis=-1)[..., : 2 * limits.shape[-2]]  # nan last
     begin = np.take_along_axis(begin, order, axis=-1)
     arcs = np.stack([begin, np.where(np.isnan(begin), np.nan, np.take_along_axis(end, order, axis=-1))], axis=-1)
     arcs[fine.all(axis=-1), 0] = (-np.pi, np.pi)
@@ -144,14 +144,14 @@ def allowed(measures: Array, limits: Array) -> Array:
 
 
 def _fine(square: Array, product: Array, limits: Array, phi: Array) -> Any:
-    """Whether all measures, waves (..., n, 3), are within limits (n, 2) at swings phi (..., m): (..., m).
+    """Whether all measures, waves (..., n, 3), are within limits (..., n, 2) at swings phi (..., m): (..., m).
 
     By sin((limit - angle) / 2), whose size does not depend on how small square and product are: both vanish where a
     joint is turned by half a turn, and there limits seem met by rounding.
     """
     basis = np.stack([np.cos(phi), np.sin(phi), np.ones_like(phi)], axis=-1)
     s, p = basis @ np.swapaxes(square, -1, -2), basis @ np.swapaxes(product, -1, -2)
-    low, high = 0.5 * limits[:, 0], 0.5 * limits[:, 1]
+    low, high = 0.5 * limits[..., None, :, 0], 0.5 * limits[..., None, :, 1]
     least = -_TOUCHING * np.hypot(s, p)
     under = (np.sin(high) * s - np.cos(high) * p >= least) | (high >= _HALF_TURN)
     over = (np.cos(low) * p - np.sin(low) * s >= least) | (low <= -_HALF_TURN)

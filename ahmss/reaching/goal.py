@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from ahmss.body.quaternion import rotate
 from ahmss.reaching.comfort import around_axis, palms_at
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["Goal", "palms_of"]
+__all__ = ["Goal", "palms_of", "turned_otherwise"]
+
+_OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,3 +45,10 @@ def palms_of(goal: Goal, reacher: Reacher, shoulder: Array) -> Array:
         turned = palms_at(shoulder, goal.place, reacher.sign)
     places = goal.place - goal.before * rotate(turned, np.array([1.0, 0.0, 0.0]))
     return np.concatenate([places, turned], axis=-1)
+
+
+def turned_otherwise(goal: Goal, side: str, palms: Array, palm: Array) -> Goal | None:
+    """The goal for one hand with those of its palms (n, 7) that are turned otherwise than one (7,), if any are."""
+    turned = 2.0 * np.arccos(np.clip(np.abs(palms[:, 3:] @ palm[3:]), 0.0, 1.0))
+    kept = palms[turned > _OTHERWISE]
+    return replace(goal, palms={side: kept}) if len(kept) else None

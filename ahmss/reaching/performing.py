@@ -15,6 +15,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ahmss.body.arm import hand_angles, with_hand
 from ahmss.body.arm_path import Way, follow
+from ahmss.body.arm_yielding import yielding
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, solve
 from ahmss.body.links import INDEX
@@ -45,7 +46,9 @@ Fingers = tuple[list[int], Array]
 FASTEST = np.radians(6.0)
 """What a joint of the arm turns in a frame at the most, where that can be helped."""
 
-_DEEP, _FAST, _JUMPS = 0.01, np.radians(3.0), 10.0  # metres in things, radians too fast and jumps that are as bad
+_DEEP, _FAST, _BEYOND = 0.01, np.radians(3.0), np.radians(5.0)  # metres in things, radians too fast and beyond limits
+_JUMPS = 10.0  # which are as bad as these
+_SWING = np.radians(4.5)  # of an elbow whose joints give way, in a frame at the most
 _DETOUR = 3.0  # as a metre of way
 _RAISES, _HIGHER = 2, 0.07  # times, metres
 _AIR = 0.002  # metres between the skin and things on the way
@@ -63,8 +66,8 @@ class Performed:
 
     rotations (n, 43, 4): head and spine as before the gaze turns them, the arm as it fits after it. root (n, 3).
     importance (n, 44). targets (n, 5, 8): the hand all the way, planted feet, the gaze. jumps: whether the arm flipped.
-    fastest: radians that a joint of the arm turns from one frame to the next at the most. deep: metres that it is in
-    things on the way.
+    fastest: radians that a joint of the arm turns from one frame to the next at the most. flaw: how bad the arm is on
+    its way, in things, too fast or beyond its limits; 0: it is fine. plan: with the way that was taken, and no others.
     """
 
     rotations: Array
@@ -73,12 +76,8 @@ class Performed:
     targets: Array
     jumps: bool
     fastest: float
-    deep: float
-
-    @property
-    def flaw(self) -> float:
-        """How bad it is, 0: it is fine."""
-        return _flaw(self.jumps, self.fastest, self.deep)
+    flaw: float
+    plan: Plan
 
 
 def perform(
@@ -130,15 +129,14 @@ class _Arm:
     palms: Array
     jumps: bool
     fastest: float
+    beyond: float
     deep: float = 0.0
 
     @property
     def flaw(self) -> float:
-        return _flaw(self.jumps, self.fastest, self.deep)
-
-
-def _flaw(jumps: bool, fastest: float, deep: float) -> float:
-    return max(deep, 0.0) / _DEEP + max(fastest - FASTEST, 0.0) / _FAST + _JUMPS * jumps
+        """How bad it is, 0: it is fine."""
+        too_fast = max(self.fastest - FASTEST, 0.0)
+        return max(self.deep, 0.0) / _DEEP + too_fast / _FAST + self.beyond / _BEYOND + _JUMPS * self.jumps
 
 
 def _carried(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers) -> _Body:
@@ -161,7 +159,7 @@ def _asked(plan: Plan, body: _Body, then: Array) -> Array:
 def _solved(plan: Plan, body: _Body, then: Array) -> Steps[_Arm]:
     """The arm on a plan's way, and then after palms (m, 7) that follow."""
     n = len(body.time) - len(then)
-    arm = _reached(plan, body, _asked(plan, body, then), n)
+    arm = yield from _reached(plan, body, _asked(plan, body, then), n)
     near = [prism for prism in plan.near if not prism.sought]
     if not near:
         return arm
@@ -169,17 +167,22 @@ def _solved(plan: Plan, body: _Body, then: Array) -> Steps[_Arm]:
     return replace(arm, deep=_touch(plan.reacher, near, body, arm, n))
 
 
-def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> _Arm:
+def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> Steps[_Arm]:
     """The arm after palms (F, 7), of which the first n are on the way."""
     reacher = plan.reacher
     present = reacher.arm.from_pose(plan.start.rotations[reacher.links])
-    way = follow(reacher.arm, reacher.wrist(palms, body.spine), present)
+    wrist = reacher.wrist(palms, body.spine)
+    way = follow(reacher.arm, wrist, present)
+    if way.jumps.any():
+        yield
+        way = yielding(reacher.arm, wrist, present, _SWING)
     links, own = _slowed(way, n)
     if own.any():  # on the way a hand is turned as its joints allow, not as the shortest turn would have it
         palms = np.where(own[:, None], reacher.palm(links, body.spine), palms)
     before = np.concatenate([present[None], links[:-1]])
     steps = np.linalg.norm(to_rotation_vector(multiply(conjugate(before), links)), axis=-1)
-    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), float(steps.max()))
+    beyond = float(way.beyond[len(links) // 4 :].max())  # not where an arm begins beyond its limits
+    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), float(steps.max()), beyond)
 
 
 def _performed(arm: _Arm, body: _Body, gaze: Array, looked: Array, fingers: list[int]) -> Performed:
@@ -204,7 +207,7 @@ def _performed(arm: _Arm, body: _Body, gaze: Array, looked: Array, fingers: list
         if plan.standing is not None:
             importance[[0, 43, *_LEGS]] = 1.0
     importance = np.repeat(importance[None], n, axis=0)
-    return Performed(rotations, root, importance, targets, arm.jumps, arm.fastest, arm.deep)
+    return Performed(rotations, root, importance, targets, arm.jumps, arm.fastest, arm.flaw, replace(plan, others=()))
 
 
 def _slowed(way: Way, n: int) -> tuple[Array, Any]:
@@ -256,5 +259,6 @@ def _touch(reacher: Reacher, prisms: Sequence[Prism], body: _Body, arm: _Arm, n:
     gap = clearance(prisms, points, _AIR + float(radii.max())) - radii
     time = np.arange(1, n + 1) / n
     first, last = np.minimum(gap[0], _AIR), np.minimum(gap[-1], _AIR)
-    least = np.where(time[:, None] < 0.2, first, np.where(time[:, None] > 0.75, last, _AIR))
+    leaving = np.where(first < 0.0, 0.4, 0.2)  # what begins in a thing has to come out of it first
+    least = np.where(time[:, None] < leaving, first, np.where(time[:, None] > 0.75, last, _AIR))
     return float((least - gap).max())

@@ -18,9 +18,11 @@ from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.motion.fingers import opened
+from ahmss.reaching.goal import turned_otherwise
 from ahmss.reaching.performing import Fingers
 from ahmss.reaching.plan import Reaching
 
+FLAW = 1.0  # of the arm on its way, from where on another turn of the palm is tried
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
 
@@ -35,8 +37,15 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     goal = goal_of(task)
     gaze = Looking(task, goal.place)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task))
+    prisms = prisms_of(task)
+    plan = yield from planned(task, reaching, goal, gaze, prisms)
     made = yield from performed(task, reaching, plan, gaze, _shape(task, plan.reacher.side))
+    side = plan.reacher.side
+    other = turned_otherwise(goal, side, reaching.palms(plan.reacher, goal), plan.palm)
+    if other is not None and made.flaw > FLAW and not task.length:
+        plan = yield from planned(task, reaching, other, gaze, prisms)
+        again = yield from performed(task, reaching, plan, gaze, _shape(task, side))
+        made = min(made, again, key=lambda one: one.flaw)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ahmss.body.arm import Arm, Wrist, excess, hand_angles, links_of, wrist_of
-from ahmss.body.arm_path import STEP, _carried_sides, follow
+from ahmss.body.arm_path import STEP, carried_sides, follow
 from ahmss.body.arm_swing import Swing, swing_of
 from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 
@@ -77,7 +77,7 @@ def test_no_flip(many):
 def test_a_jump_only_where_a_search_finds_no_way_either(many):
     """Dense swings, two turns of them, frame by frame: the search dies no later than the jump."""
     before, wrist, way = many
-    swing = swing_of(KEN, wrist, _carried_sides(KEN, wrist.place, before))
+    swing = swing_of(KEN, wrist, carried_sides(KEN, wrist.place, before))
     whole = met(way).all(axis=0)
     jumping = np.flatnonzero(way.jumps.any(axis=0) & whole)
     assert 1 <= len(jumping) < 10
@@ -113,7 +113,7 @@ def test_an_arm_that_need_not_swing_does_not():
     start = wrist_of(KEN, before)
     wrist = Wrist(start.place * np.linspace(1.0, 0.9, 30)[:, None], np.tile(start.rotation, (30, 1)))
     way = follow(KEN, wrist, before)
-    swing = swing_of(KEN, wrist, _carried_sides(KEN, wrist.place, before))
+    swing = swing_of(KEN, wrist, carried_sides(KEN, wrist.place, before))
     assert same(way.links, swing.links(np.zeros(30)))
     assert not way.jumps.any()
 
