@@ -149,7 +149,7 @@ class _Reader:
             sites=sites,
             states=states,
             appearances=read_appearances(self.document, top.appearances, states),
-            consequences=read_consequences(self.document, top.consequences, states),
+            consequences=read_consequences(self.document, top.consequences, states, [one.name for one in contains]),
             falls=top.falls,
             affordances={n: self._affordance(n, v, sites, states) for n, v in top.affordances.items()},
             contains=contains,

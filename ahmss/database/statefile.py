@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -59,6 +59,7 @@ class ConsequenceEntry(msgspec.Struct, forbid_unknown_fields=True, rename={"sour
     """[[consequences]]."""
 
     state: str
+    at: str = ""
     of: str = ""
     when: str | None = None
     to: str | float | None = None
@@ -100,13 +101,8 @@ def read_states(document: Document, entries: Mapping[str, dict[str, Any]]) -> di
 
 def read_condition(document: Document, text: str | None, states: Mapping[str, State], place: Place) -> Condition | None:
     """A `when`, whose states and values must be there."""
-    if text is None:
-        return None
-    try:
-        condition = parse_condition(text)
-    except ValueError as error:
-        raise document.error(place, str(error)) from None
-    for clause in condition.clauses():
+    condition = _parsed(document, text, place)
+    for clause in () if condition is None else condition.clauses():
         state = states.get(clause.state)
         if state is None:
             have = ", ".join(name for name in states if name not in _KNOWN) or "none"
@@ -116,6 +112,14 @@ def read_condition(document: Document, text: str | None, states: Mapping[str, St
         if state.values and clause.value not in state.values:
             raise document.error(place, f'"{clause.state}" is never "{clause.value}"; allowed: {state.allowed}')
     return condition
+
+
+def _parsed(document: Document, text: str | None, place: Place) -> Condition | None:
+    """A `when`, of whichever states."""
+    try:
+        return None if text is None else parse_condition(text)
+    except ValueError as error:
+        raise document.error(place, str(error)) from None
 
 
 def read_appearances(
@@ -152,24 +156,35 @@ def _number(document: Document, name: str, states: Mapping[str, State], place: P
 
 
 def read_consequences(
-    document: Document, entries: Sequence[dict[str, Any]], states: Mapping[str, State]
+    document: Document,
+    entries: Sequence[dict[str, Any]],
+    states: Mapping[str, State],
+    contained: Collection[str] = (),
 ) -> tuple[Consequence, ...]:
-    """What follows from a change of states."""
-    return tuple(_consequence(document, raw, states, ("consequences", i)) for i, raw in enumerate(entries))
+    """What follows from a change of states: of its own, or of those of what it contains by these names."""
+    return tuple(_consequence(document, raw, states, contained, ("consequences", i)) for i, raw in enumerate(entries))
 
 
-def _consequence(document: Document, raw: dict[str, Any], states: Mapping[str, State], place: Place) -> Consequence:
+def _consequence(
+    document: Document, raw: dict[str, Any], states: Mapping[str, State], contained: Collection[str], place: Place
+) -> Consequence:
     entry = document.convert(raw, ConsequenceEntry, place)
     if (entry.to is None) == (not entry.source):
         raise document.error(place, "says either what the state is set `to`, or the state that it is taken `from`")
     if entry.when is None and not entry.source:
         raise document.error(place, "never happens; say `when`")
-    if entry.source and entry.source not in states:
-        raise document.error((*place, "from"), f'no state "{entry.source}"{one_of(entry.source, states)}')
     if not _WAY.fullmatch(entry.of):
         raise document.error((*place, "of"), f'"{entry.of}" is no way to an object; as: "..", "lamp", "../lamp"')
     if not entry.of:
         _own(document, entry, states, place)
+    if entry.at:  # its states are another kind's
+        first = entry.at.partition("/")[0]
+        if first not in contained:
+            raise document.error((*place, "at"), f'contains no "{first}"{one_of(first, contained)}')
+        when = _parsed(document, entry.when, (*place, "when"))
+        return Consequence(entry.state, entry.of, when, entry.to, entry.source, entry.at)
+    if entry.source and entry.source not in states:
+        raise document.error((*place, "from"), f'no state "{entry.source}"{one_of(entry.source, states)}')
     when = read_condition(document, entry.when, states, (*place, "when"))
     return Consequence(entry.state, entry.of, when, entry.to, entry.source)
 

@@ -43,11 +43,12 @@ class Appearance(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Consequence(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What a change of an object's own states brings about.
+    """What a change of an object's own states brings about, or of the states of what it contains.
 
-    when: it happens when this comes true; None: at each change of the state `source`. of: whose state is set: "" its
-    own, ".." of what contains it, `lamp` of what it contains, `../lamp` of what is beside it. to: the value, or
-    "toggle" for the next. source: a state of its own whose value is taken over instead, from range to range.
+    at: what it contains by this name, whose states `when` and `source` are; "": its own. when: it happens when this
+    comes true; None: at each change of the state `source`. of: whose state is set: "" its own, ".." of what contains
+    it, `lamp` of what it contains, `../lamp` of what is beside it. to: the value, or "toggle" for the next. source: a
+    state whose value is taken over instead, from range to range.
     """
 
     state: str
@@ -55,6 +56,7 @@ class Consequence(msgspec.Struct, frozen=True, omit_defaults=True):
     when: Condition | None = None
     to: str | float | None = None
     source: str = ""
+    at: str = ""
 
 
 class Behaviour(msgspec.Struct, frozen=True, omit_defaults=True, dict=True):
@@ -69,6 +71,14 @@ class Behaviour(msgspec.Struct, frozen=True, omit_defaults=True, dict=True):
     def parts(self) -> tuple[str, ...]:
         """The parts of the shape whose look depends on states, each once, in order."""
         return tuple(dict.fromkeys(part for one in self.appearances for part in one.parts))
+
+    @cached_property
+    def wired(self) -> dict[str, tuple[Consequence, ...]]:
+        """The consequences by what they are `at`: "" those of its own states."""
+        out: dict[str, tuple[Consequence, ...]] = {}
+        for one in self.consequences:
+            out[one.at] = (*out.get(one.at, ()), one)
+        return out
 
     @cached_property
     def unsteady(self) -> frozenset[str]:

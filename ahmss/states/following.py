@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from ahmss.errors import WorldError
 from ahmss.states.behaviour import Behaviour, Consequence
@@ -48,8 +48,8 @@ def follow(
             raise WorldError(f"{changes[0][0]} {changes[0][1]}: more than {_MOST} consequences follow from one change")
         if before.get(state) == value:
             continue
-        for one in behaviour_of(name).consequences:
-            target = beside(name, one.of)
+        for owner, one in _consequences(name, states_of, behaviour_of):
+            target = beside(owner, one.of)
             known = now.get(target) or states_of(target)
             if known is None or one.state not in known or (target, one.state) in taken:
                 continue
@@ -58,6 +58,21 @@ def follow(
                 told = _value(one, name, after, behaviour_of(name), target, known, behaviour_of(target))
                 waiting.append((target, one.state, told))
     return done
+
+
+def _consequences(
+    name: str, states_of: Callable[[str], Mapping[str, Value] | None], behaviour_of: Callable[[str], Behaviour]
+) -> Iterator[tuple[str, Consequence]]:
+    """What may follow from a change of an object: its own, and those that what contains it names it in."""
+    for one in behaviour_of(name).wired.get("", ()):
+        yield name, one
+    owner, _, within = name.rpartition("/")
+    while owner:
+        if states_of(owner) is not None:
+            for one in behaviour_of(owner).wired.get(within, ()):
+                yield owner, one
+        owner, _, last = owner.rpartition("/")
+        within = f"{last}/{within}"
 
 
 def beside(name: str, of: str) -> str:

@@ -105,3 +105,28 @@ def test_the_next_value_after_the_last_is_the_first() -> None:
     state = State("a", ("a", "b", "c"))
     assert [state.other(value) for value in "abc"] == ["b", "c", "a"]
     assert [State(0.0, (), 0.0, 4.0).other(value) for value in (0.5, 3.0)] == [4.0, 0.0]
+
+
+def test_what_contains_it_says_what_a_button_does() -> None:
+    panel = Behaviour(
+        consequences=(
+            Consequence("running", "pump", parse_condition("position == in"), "on", at="desk/start"),
+            Consequence("running", "pump", parse_condition("position == in"), "off", at="desk/stop"),
+            Consequence("level", "gauge", source="angle", at="lever"),
+        )
+    )
+    button = Behaviour({"position": POSITION})
+    run = world(
+        panel=(panel, {}),
+        panel__desk=(Behaviour(), {}),
+        panel__desk__start=(button, {"position": "out"}),
+        panel__desk__stop=(button, {"position": "out"}),
+        panel__pump=(Behaviour({"running": SWITCH}), {"running": "off"}),
+        panel__lever=(Behaviour({"angle": State(0.0, low=0.0, high=2.0)}), {"angle": 0.0}),
+        panel__gauge=(Behaviour({"level": State(0.0, low=0.0, high=10.0)}), {"level": 0.0}),
+    )
+    start, stop = ("panel/desk/start", "position", "in"), ("panel/desk/stop", "position", "in")
+    assert run(start) == [start, ("panel/pump", "running", "on")]
+    assert run(stop) == [stop, ("panel/pump", "running", "off")]
+    assert run(("panel/desk/start", "position", "out")) == [("panel/desk/start", "position", "out")]
+    assert run(("panel/lever", "angle", 0.5)) == [("panel/lever", "angle", 0.5), ("panel/gauge", "level", 2.5)]

@@ -1,0 +1,82 @@
+"""Checking a gauge: the head turns to it, it is looked at for a second or two, and what it shows is told.
+
+From how far it can be read its property `legible` says. Who is farther away, sees it too much from the side, or would
+have to turn the head too far goes before it first, where the action names a walk library.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ahmss.algorithm import HumanTask, run
+from ahmss.algorithm.controls import before, gone_to
+from ahmss.algorithm.reaching import HEAD, Looking
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
+from ahmss.errors import AlgorithmError
+from ahmss.reaching.reacher import heading_of
+
+LEGIBLE, NEARER = 1.2, 0.7  # metres, where its properties do not say; of that, from where one comes to read it
+TURNS = 0.35  # seconds in which the head turns
+ASIDE, OBLIQUE = np.radians(70.0), np.radians(60.0)  # that the head turns aside; from its axis, that it is read from
+
+
+def check(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): steps to where it can be read, if needed; the head turns to it, and stays so a while.
+
+    Raises:
+        AlgorithmError: the action names no site; it can't be read while another motion carries the body away.
+    """
+    if task.site is None or task.object is None:
+        raise AlgorithmError("check needs a site: the face of what is read, its x out of it")
+    gaze = Looking(task, task.site.place)
+    if task.library is not None and not task.carried and not _legible(task):
+        task, gaze = yield from gone_to(task, before(task, NEARER * _far(task)), gaze)
+    length = task.length or round((TURNS + task.parameter("seconds", 1.5)) * task.rate)
+    frames = gaze.frames + np.arange(1.0, length + 1.0)
+    importance = np.zeros(44)
+    importance[INDEX["head"]] = HEAD
+    rows = task.block(
+        np.repeat(task.start.rotations[None], length, axis=0), np.repeat(task.start.root[None], length, axis=0),
+        np.repeat(importance[None], length, axis=0), gaze.rows(frames),
+    )  # fmt: skip
+    seen = max(length - round(0.2 * task.rate), 1)
+    yield rows[:seen]
+    task.note(_said(task))
+    yield rows[seen:]
+
+
+def _far(task: HumanTask) -> float:
+    assert task.object is not None
+    return float(task.object.properties.get("legible", LEGIBLE))
+
+
+def _legible(task: HumanTask) -> bool:
+    """Whether it can be read from where the human stands, the head turned to it."""
+    assert task.site is not None
+    places, _ = forward(task.start.rotations, task.start.root, task.human.offsets)
+    off = task.site.place - places[INDEX["head"]]
+    away = float(np.linalg.norm(off))
+    out = rotate(task.site.rotation, np.array([1.0, 0.0, 0.0]))
+    aside = np.arctan2(off[1], off[0]) - heading_of(task.start.rotations, task.start.root)
+    aside = abs((aside + np.pi) % (2.0 * np.pi) - np.pi)
+    assert task.object is not None
+    anywhere = task.object.sites[task.message.site].free_axis == "z"
+    return bool(away <= _far(task) and aside < ASIDE and (anywhere or -off @ out > away * np.cos(OBLIQUE)))
+
+
+def _said(task: HumanTask) -> str:
+    """What it shows, in a sentence."""
+    assert task.object is not None
+    state = task.parameter("state", "value")
+    value = task.object.states.get(state)
+    shown = "nothing" if value is None else f"{value:.2f}" if isinstance(value, float) else str(value)
+    return f"{state} is {shown}"
+
+
+if __name__ == "__main__":
+    run(check)
