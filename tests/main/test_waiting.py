@@ -65,7 +65,12 @@ def test_who_comes_second_waits_and_has_it_when_it_is_let_go(two: tuple[MainProc
 
 
 @pytest.mark.parametrize(
-    ("patience", "waited"), [("", "; waited 10 s"), (" patience=0.5", "; waited 0.5 s"), (" patience=0", "")]
+    ("patience", "waited"),
+    [
+        pytest.param("", "; waited 10 s", marks=pytest.mark.long),
+        (" patience=0.5", "; waited 0.5 s"),
+        (" patience=0", ""),
+    ],
 )
 def test_who_waits_too_long_does_something_else_and_says_why(
     two: tuple[MainProcess, MainProcess], patience: str, waited: str

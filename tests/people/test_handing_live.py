@@ -116,6 +116,7 @@ def cup_in(palm: Array, cup: Array) -> Array:
     return np.concatenate([rotate(back, cup[:3] - palm[:3]), multiply(back, cup[3:])])
 
 
+@pytest.mark.long
 def test_who_leaves_in_the_midst_gets_nothing_and_it_stays_in_the_hand(room: Room) -> None:
     ken, aiko = room.mains["ken"], room.mains["aiko"]
     room.do("ken", "do aiko hand_over")
@@ -148,6 +149,7 @@ def test_what_the_server_refuses_to_pass_on_is_in_the_hand_as_before(room: Room)
     assert np.ptp(np.array([palms[0, :3] for _, _, palms in room.seen]), axis=0).max() > 0.002
 
 
+@pytest.mark.long
 def test_who_is_stopped_in_the_midst_keeps_it(room: Room) -> None:
     ken = room.mains["ken"]
     room.do("ken", "do aiko hand_over")
