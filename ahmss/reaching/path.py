@@ -36,7 +36,7 @@ _SHORTEST, _TINY = 1e-4, 1e-9  # metres
 _LEAVING, _ARRIVING = 0.25, 0.7  # shares of the time
 _AT_ONCE = 10  # curves, that are looked at between two pauses
 _CLOSE, _INSIDE = 900.0, 20000.0  # what a square metre of being too near, and of being inside, costs in metres of way
-_KEPT = 5  # curves
+_KEPT = 4  # curves
 
 
 @dataclass(frozen=True, eq=False)

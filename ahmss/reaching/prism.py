@@ -19,7 +19,7 @@ __all__ = ["Prism", "clearance", "in_the_way", "over_hand"]
 
 _NEAR = 1.5  # metres from a human's middle beyond which nothing is in a hand's way
 _UNDER = 0.15  # metres: how far under a thing's edge a hand comes out again sideways
-_RISES, _LID = 0.02, 0.04  # metres: by which a hand may rise under it; how thick what is over it is at least
+_RISES, _LID = 0.04, 0.04  # metres: by which a hand may rise under it; how thick what is over it is at least
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ MARGIN = 0.02
 _FOREARM = np.linspace(0.0, 1.0, 5)[:, None]
 _RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.034])  # metres, from the elbow to the wrist
 _ALONG = (0.0, 0.5, 1.0)  # of a link
+_WRIST = 0.72  # of a forearm's thickness
 _X = np.array([1.0, 0.0, 0.0])
 
 
@@ -63,7 +64,9 @@ def skin_of(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Arr
     places, turned = forward(rotations, root, skeleton.offsets)
     steps = rotate(turned[..., links, :], skeleton.tips[links])
     points = [places[..., links, :] + share * steps for share in _ALONG]
-    return np.concatenate(points, axis=-2), np.tile(skeleton.radii[links], len(_ALONG))
+    radii = np.tile(skeleton.radii[links], (len(_ALONG), 1))
+    radii[-1, 0] *= _WRIST
+    return np.concatenate(points, axis=-2), radii.ravel()
 
 
 @lru_cache(maxsize=16)

@@ -22,7 +22,7 @@ from ahmss.reaching.goal import turned_otherwise
 from ahmss.reaching.performing import Fingers
 from ahmss.reaching.plan import Reaching
 
-FLAW = 1.0  # of the arm on its way, from where on another turn of the palm is tried
+FLAW = 2.0  # of the arm on its way, from where on another turn of the palm is tried
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import msgspec
@@ -26,7 +26,11 @@ from ahmss.reaching.standing import centre_of_mass
 from .scene import CUP, WORKSPACE, Body, record
 
 UP = np.array([0.0, 0.0, 1.0])
+RATE = 60.0
 TABLE = "room/table"
+HALF = np.array([0.5, 0.6])  # metres, of the table's top
+UNDERSIDE = 0.85  # metres, of its top
+WRIST = 0.72  # of a forearm's thickness
 ARMS = np.array(
     [i >= 15 or link.endswith(("lower_arm", "hand")) for i, link in enumerate(LINKS)]
 )  # forearms, hands, fingers
@@ -42,20 +46,26 @@ class Scene:
 
     @classmethod
     def drawn(cls, seed: int) -> Scene:
-        """Both humans in turn; the cup up to 0.3 m behind an edge of the table, the human before that edge."""
+        """Both humans in turn; the cup up to 0.33 m behind any edge of the table, the human close before that edge.
+
+        No hand is in the table's top already; some hang under it.
+        """
         random = np.random.default_rng(seed)
         name = ("ken", "aiko")[seed % 2]
         table = Transform(np.append(random.uniform(-2.0, 2.0, 2), 0.0), _about_z(random.uniform(-np.pi, np.pi)))
-        into, along = random.uniform(0.05, 0.3), random.uniform(-0.45, 0.45)
-        cup = Transform(np.array([-0.5 + into, along, 0.88]), _about_z(random.uniform(-np.pi, np.pi)))
-        before, aside = random.uniform(0.16, 0.32), random.uniform(-0.3, 0.3)
-        stands = table.apply(np.array([-0.5 - before, along + aside, 0.0]))
-        cup = table.then(cup)
+        edge, sign = int(random.integers(2)), (-1.0, 1.0)[int(random.integers(2))]
+        into, along = random.uniform(0.04, 0.33), random.uniform(-0.45, 0.45)
+        before, aside = random.uniform(0.17, 0.34), random.uniform(-0.3, 0.3)
+        on, stands = np.array([0.0, 0.0, 0.88]), np.zeros(3)
+        on[edge], on[1 - edge] = sign * (HALF[edge] - into), along
+        stands[edge], stands[1 - edge] = sign * (HALF[edge] + before), along + aside
+        cup = table.then(Transform(on, _about_z(random.uniform(-np.pi, np.pi))))
+        stands = table.apply(stands)
         toward = np.degrees(np.arctan2(*(cup.place - stands)[1::-1]))
-        facing = toward + random.uniform(-35.0, 35.0)
+        facing = toward + random.uniform(-40.0, 40.0)
         made = cls(Body(name, float(stands[0]), float(stands[1]), float(facing)), table, cup)
         standing = HumanPose(made.body.rotations, made.body.root)
-        if Reached(made, made.body.skeleton, [standing]).depth_in_table()[0] > -0.01:  # a hand is in the table already
+        if Reached(made, made.body.skeleton, [standing]).depth_in_top()[0] > 0.0:
             return cls.drawn(seed + 1000)
         return made
 
@@ -114,16 +124,18 @@ class Reached:
         turned = to_rotation_vector(multiply(conjugate(target[3:7]), palm.rotation))
         return float(np.linalg.norm(palm.place - target[:3])), float(np.degrees(np.linalg.norm(turned)))
 
-    def depth_in_table(self) -> tuple[float, str]:
-        """How deep skin of arms and hands, and bones of all else, are in the table at the most, metres; what."""
+    def depth_in_top(self) -> tuple[float, str]:
+        """How deep skin of arms and hands, and bones of all else, are in the table's top at the most, metres; what."""
         places, turned = forward(self.rotations, self.root, self.skeleton.offsets)
         tips = places + rotate(turned, np.broadcast_to(self.skeleton.tips, places.shape))
         along = np.linspace(0.0, 1.0, 5)[:, None, None, None]
         points = places + along * (tips - places)
         deepest, name = -np.inf, ""
+        radii = np.repeat(np.where(ARMS, self.skeleton.radii, 0.0)[None], 5, axis=0)
+        radii[-1, [INDEX["right_lower_arm"], INDEX["left_lower_arm"]]] *= WRIST
         for prism in prisms(record(TABLE, self.scene.table)):
-            gap = prism.signed(points).min(axis=0)
-            depth = np.where(ARMS, self.skeleton.radii, 0.0) - gap
+            gap = replace(prism, low=UNDERSIDE).signed(points)
+            depth = (radii[:, None] - gap).max(axis=0)
             link = int(depth.max(axis=0).argmax())
             if depth.max() > deepest:
                 deepest, name = float(depth.max()), LINKS[link]
@@ -144,6 +156,18 @@ class Reached:
         arm, first = Arm.of(self.skeleton, self.side), INDEX[f"{self.side}_upper_arm"]
         links = arm.from_pose(self.rotations[:, first : first + 3])
         return float(np.degrees(excess(arm, links)[len(links) // 10 :].max()))
+
+    def fastest(self, link: str) -> float:
+        """Metres a second, at the most, of the joint that the reaching side's "lower_arm" or "hand" begins with."""
+        places, _ = forward(self.rotations, self.root, self.skeleton.offsets)
+        steps = np.diff(places[:, INDEX[f"{self.side}_{link}"]], axis=0)
+        return float(np.linalg.norm(steps, axis=-1).max() * RATE)
+
+    def peak(self) -> float:
+        """How many times as fast as in the mean of its way the wrist is at the most."""
+        places, _ = forward(self.rotations, self.root, self.skeleton.offsets)
+        steps = np.linalg.norm(np.diff(places[:, INDEX[f"{self.side}_hand"]], axis=0), axis=-1)
+        return float(steps.max() / steps[steps > 1e-4].mean())
 
     def largest_step(self) -> float:
         """Degrees that any joint turns from one frame to the next at the most, the head's and the first frame's not."""

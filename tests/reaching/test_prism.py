@@ -42,8 +42,8 @@ def test_a_hand_under_an_edge_comes_out_sideways() -> None:
     under = np.array([[0.9, 0.0, 0.8], [1.1, 0.0, 0.7]])
     lid = over_hand(BLOCK, here, under, radii)
     assert lid is not None
-    assert (lid.low, lid.high) == (pytest.approx(0.73), 0.9)
-    assert lid.signed(np.array([1.1, 0.0, 0.7])) > 0.0 > lid.signed(np.array([1.1, 0.0, 0.75]))
+    assert (lid.low, lid.high) == (pytest.approx(0.75), 0.9)
+    assert lid.signed(np.array([1.1, 0.0, 0.7])) > 0.0 > lid.signed(np.array([1.1, 0.0, 0.77]))
     beside, above = under - np.array([0.2, 0.0, 0.0]), under + np.array([0.0, 0.0, 0.3])
     assert over_hand(BLOCK, here, beside, radii) is over_hand(BLOCK, here, above, radii) is BLOCK
     nearly_in_it = over_hand(BLOCK, here, under + np.array([0.0, 0.0, 0.19]), radii)
