@@ -1,4 +1,4 @@
-"""What a thing fills, as its properties tell: a `box`, or several `blocks`, each its lowest and its highest corner.
+"""What a thing fills, as its properties tell: `blocks`, or one `box`, each by its lowest and its highest corner.
 
 A console is a few blocks rather than one as high as its top, so that a hand comes to what is on its slope.
 """
@@ -44,7 +44,7 @@ class Box:
 def boxes_of(thing: WorldObject) -> list[Box]:
     """The boxes that a thing's properties tell, where it is now; none where they tell none."""
     one, several = thing.properties.get("box"), thing.properties.get("blocks")
-    told = [one] if one is not None else several if isinstance(several, list) else []
+    told = several if isinstance(several, list) else [] if one is None else [one]
     return [box for entry in cast(list[Any], told) if (box := _box(thing, entry)) is not None]
 
 

@@ -57,6 +57,7 @@ _TRIES = 4  # of palms, where the elbow would leap on the way
 _LEAP = np.radians(9.0)  # that an arm's link turns in a frame
 _OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
 _SEES = np.radians(65.0)  # aside of where one goes, up to where one looks at it on the way
+_NECK, _FORGETS = np.radians(75.0), 0.02  # aside; of looking: who looks no more may look to the other side next
 _LAG = 0.07  # seconds of each of three lags by which the gaze turns then
 _TARGETS = 220  # the first of a row's targets
 _SPARSE = 3  # every so many palms show how easily an arm comes there
@@ -138,7 +139,7 @@ def smoothest(
         task, reaching, goal, gaze, prisms, off: as of `planned`. perform: makes a plan's frames.
     """
     best: tuple[float, Plan, Performed] | None = None
-    for _ in range(_TRIES):
+    for tried in range(_TRIES):
         plan = yield from planned(task, reaching, goal, gaze, prisms, off)
         made = yield from perform(plan)
         links = plan.reacher.links
@@ -149,14 +150,17 @@ def smoothest(
             best = leap, plan, made
         if leap < _LEAP:
             break
-        goal = _otherwise(goal, plan)
+        goal = _otherwise(goal, plan, other_hand=tried % 2 == 1)
     assert best is not None
     return best[1:]
 
 
-def _otherwise(goal: Goal, plan: Plan) -> Goal:
-    """The goal without the palms that are turned about as a plan's is; as it was where there are no others."""
+def _otherwise(goal: Goal, plan: Plan, *, other_hand: bool) -> Goal:
+    """The goal without the palms that are turned about as a plan's is, or that hand; as it was where no others are."""
     palms = dict(goal.palms)
+    if other_hand and len(palms) > 1:
+        del palms[plan.reacher.side]
+        return replace(goal, palms=palms)
     own = palms[plan.reacher.side]
     turned = 2.0 * np.arccos(np.clip(np.abs(own[:, 3:] @ plan.palm[3:]), 0.0, 1.0))
     if (turned > _OTHERWISE).any():
@@ -192,20 +196,32 @@ class _Watching:
     def __init__(self, gaze: Looking, turned: float, rate: float) -> None:
         self._place, self._levels = gaze.place, [turned] * 3
         self._share = 1.0 - np.exp(-1.0 / (_LAG * rate))
+        self._aside = 0.0
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260), the gaze added."""
         rows = rows.copy()
         targets = rows[:, _TARGETS:].reshape(-1, 5, 8)
         for k, row in enumerate(rows):
-            off = self._place[:2] - row[1:3]
-            aside = np.arctan2(off[1], off[0]) - heading_of(row[4:176].reshape(43, 4), row[1:4])
-            wanted = float(abs((aside + np.pi) % (2.0 * np.pi) - np.pi) < _SEES)
+            heading, aside, place = self._seen(row)
+            wanted = float(abs(aside) < _SEES)
             for i, level in enumerate(self._levels):
                 self._levels[i] = wanted = level + self._share * (wanted - level)
-            targets[k, GAZE, :3], targets[k, GAZE, 7] = self._place, wanted
+            self._aside = aside
+            if abs(aside) > _NECK:  # a head turns no farther, and not from one shoulder to the other behind the back
+                along = heading + np.clip(aside, -_NECK, _NECK)
+                off = float(np.linalg.norm(place[:2] - row[1:3])) * np.array([np.cos(along), np.sin(along)])
+                place = np.append(row[1:3] + off, place[2])
+            targets[k, GAZE, :3], targets[k, GAZE, 7] = place, wanted
         rows[:, _TARGETS:] = targets.reshape(-1, 40)
         return rows
+
+    def _seen(self, row: Array) -> tuple[float, float, Array]:
+        """Where one who is there (260,) faces, how far aside of that the place is, carried on while it is looked at."""
+        heading, off = heading_of(row[4:176].reshape(43, 4), row[1:4]), self._place[:2] - row[1:3]
+        aside = float(np.arctan2(off[1], off[0])) - heading
+        about = self._aside if self._levels[-1] > _FORGETS else 0.0
+        return heading, about + (aside - about + np.pi) % (2.0 * np.pi) - np.pi, self._place
 
     def goes_on(self, task: HumanTask) -> Looking:
         """The gaze of who has arrived, as far on its way as it is."""

