@@ -55,6 +55,7 @@ class TypingHand:
     home: Array
     thumb: Array
     rest: Array = field(default_factory=lambda: np.zeros(7))
+    _goes: dict[str, Array] = field(default_factory=dict[str, Array], repr=False)
 
     @classmethod
     def of(cls, skeleton: Skeleton, side: str, keys: Mapping[str, Key]) -> TypingHand:
@@ -124,7 +125,7 @@ class TypingHand:
 
     def resting(self, palm: Array) -> TypingHand:
         """The same with its palm (7,) at rest there, its thumb as near to its key as it comes from there."""
-        return replace(self, rest=palm, thumb=self._pad_of("thumb", palm[None], self.thumb)[0])
+        return replace(self, rest=palm, _goes={}, thumb=self._pad_of("thumb", palm[None], self.thumb)[0])
 
     def shifts(self, strokes: Sequence[Stroke], time: Array) -> Array:
         """How far (F, 3) the hand is from where it rests at times (F,), seconds."""
@@ -182,6 +183,11 @@ class TypingHand:
 
     def _shift(self, stroke: Stroke) -> Array:
         """How far (3,) the hand goes along with a stroke: so far that its finger gets there."""
+        if stroke.key.name not in self._goes:
+            self._goes[stroke.key.name] = self._along(stroke)
+        return self._goes[stroke.key.name]
+
+    def _along(self, stroke: Stroke) -> Array:
         rest = self.thumb if stroke.finger == "thumb" else self.home[FINGERS.index(stroke.finger)]
         off = self.place_on(stroke) - rest[:2]
         far = max(float(np.linalg.norm(off)), 1e-9)

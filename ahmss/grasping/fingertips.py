@@ -27,7 +27,7 @@ LEAST, MOST = np.radians([-40.0, 95.0])  # of the knuckle
 STRAIGHT, SPARE, MOST_BENT = np.radians([3.0, 20.0, 100.0])  # of the middle joint: at the least, at ease, at the most
 SPREAD = np.radians(20.0)  # of the knuckle to either side
 THUMB = np.radians([2.0, 75.0])  # of its end joint
-ROUNDS = 8  # of finding the finger's direction for its pad
+ROUNDS = 5  # of finding the finger's direction for its pad
 X, Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 
 
@@ -103,7 +103,7 @@ class Fingertips:
         hinge = np.array([0.0, 0.0, hand.towards])
         root, bent = np.repeat(self.ease[:1], len(place), axis=0), np.zeros(len(place))
         along = rotate(root, X)
-        for _ in range(ROUNDS):
+        for _ in range(2 * ROUNDS):
             off = place - ROUND * float(hand.thumb_radii[1]) * (into - along) - hand.thumb_root
             far = np.linalg.norm(off, axis=1)
             cos = np.clip((far**2 - one**2 - two**2) / (2.0 * one * two), -1.0, 1.0)

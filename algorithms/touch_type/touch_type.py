@@ -7,7 +7,7 @@ types and z up. Standing or sitting, one bends no further than both arms ask. At
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,9 @@ from ahmss.reaching.reacher import SIDES, Reacher
 
 ABOVE = 0.04  # metres over the keys to which the hands come, and to which they rise at the end
 SINKS, BEGINS, ENDS, RISES = 0.3, 0.25, 0.3, 0.3  # seconds
-FIRST = 4  # frames in which the motion is worked out
+FIRST = 12  # frames in which the motion is worked out
+AT_ONCE = 12  # frames of fingers
+TRAVEL = 0.0035  # metres of a key, where the object's properties do not say
 
 
 def touch_type(task: HumanTask) -> Iterator[Array]:
@@ -46,8 +48,35 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
     gaze = Looking(task, task.site.place)
     yield gaze.alone()
     plans = yield from _planned(task, hands, gaze)
-    made = yield from _made(task, hands, plans, strokes, gaze)
-    yield task.block(made.rotations, made.root, made.importance, made.targets)
+    made, typing = yield from _made(task, hands, plans, strokes, gaze)
+    rows = task.block(made.rotations, made.root, made.importance, made.targets)
+    first = len(rows) - len(typing.time)
+    yield rows[:first]
+    for begin in range(first, len(rows), AT_ONCE):  # worked out while they are shown
+        yield typing.fingers(task, made, first, slice(begin, begin + AT_ONCE))
+
+
+@dataclass(frozen=True, eq=False)
+class Typing:
+    """The frames in which one types: their times (n,), how high the hands are over where they type (n,), and what."""
+
+    hands: Mapping[str, TypingHand]
+    strokes: list[Stroke]
+    time: Array
+    height: Array
+
+    def fingers(self, task: HumanTask, made: Performed, first: int, some: slice) -> Array:
+        """Some of the frames (n, 260), the fingers of both hands where they belong with the palms as they are."""
+        assert task.site is not None
+        assert task.object is not None
+        travel = float(task.object.properties.get("travel", TRAVEL))
+        rotations, back = made.rotations[some].copy(), task.site.inverse()
+        own = slice(some.start - first, some.stop - first)
+        for row, (side, hand) in enumerate(self.hands.items()):
+            palms = back.then(Transform.of(made.targets[some, row])).row()
+            palms[:, 2] -= self.height[own]
+            rotations[:, list(fingers(side))] = hand.shapes(self.strokes, self.time[own], palms, travel)
+        return task.block(rotations, made.root[some], made.importance[some], made.targets[some])
 
 
 def _planned(
@@ -78,10 +107,9 @@ def _planned(
 
 def _made(
     task: HumanTask, hands: Mapping[str, TypingHand], plans: Mapping[str, Plan], strokes: list[Stroke], gaze: Looking
-) -> Generator[Array, None, Performed]:
-    """Both hands' frames as one."""
+) -> Generator[Array, None, tuple[Performed, Typing]]:
+    """Both hands' frames as one, the fingers still as they are when they come; and what they are to do."""
     assert task.site is not None
-    assert task.object is not None
     first = gaze.frames + gaze.left(FIRST)
     length = round(max(plan.seconds for plan in plans.values()) * task.rate)
     typed = round((strokes[-1].time + ENDS + RISES) * task.rate)
@@ -89,25 +117,20 @@ def _made(
     looked = gaze.turned(first + np.arange(1.0, length + typed + 1.0))
     rise = minimum_jerk((time - strokes[-1].time - ENDS) / RISES)
     height = ABOVE * (1.0 - minimum_jerk(time / SINKS) + rise)
-    travel = float(task.object.properties.get("travel", 0.0035))
     both: list[Performed] = []
+    resting: dict[str, TypingHand] = {}
     for side, hand in hands.items():
         plan = plans[side]
         over = task.site.inverse().then(Transform.of(plan.palm)).row() - np.array([0.0, 0.0, ABOVE, 0.0, 0.0, 0.0, 0.0])
-        resting = hand.resting(over)
+        resting[side] = hand.resting(over)
         then = np.repeat(over[None], typed, axis=0)
-        then[:, :3] += resting.shifts(strokes, time)
-        shape = resting.shapes(strokes, time[:1], then[:1], travel)[0]
+        then[:, :3] += resting[side].shifts(strokes, time)
+        shape = resting[side].shapes(strokes, time[:1], then[:1], TRAVEL)[0]
         then[:, 2] += height
-        links = list(fingers(side))
         then = Transform(task.site.apply(then[:, :3]), multiply(task.site.rotation, then[:, 3:])).row()
-        made = yield from gaze.until(first, perform(plan, share, gaze.place, looked, (links, shape), then))
-        yield from gaze.if_there_is_time()
-        palms = task.site.inverse().then(Transform.of(made.targets[length:, Reacher.of(task.human, side).row])).row()
-        palms[:, 2] -= height  # of the palm as the arm's joints allow it
-        made.rotations[length:, links] = resting.shapes(strokes, time, palms, travel)
-        both.append(made)
-    return _joined(*both)
+        work = perform(plan, share, gaze.place, looked, (list(fingers(side)), shape), then)
+        both.append((yield from gaze.until(first, work)))
+    return _joined(*both), Typing(resting, strokes, time, height)
 
 
 def _joined(right: Performed, left: Performed) -> Performed:
