@@ -1,7 +1,8 @@
 """A hand reaches while another motion carries the body: it arrives when the body is near enough, wherever that is.
 
 Where nobody said how many frames it takes, the hand sets out when the body will be near enough in the time that a reach
-takes, and goes on as the body comes nearer: so it is there when the body is, neither before nor after.
+takes, and goes on as the body comes nearer: so it is there when the body is, neither before nor after. If the body goes
+on past the place, the reach is over as soon as the hand has let go of it.
 """
 
 from __future__ import annotations
@@ -74,7 +75,13 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         root = last + on  # about where it will be carried by this frame
         ahead = _SLOWER * (task.length - k) * on * _LEVEL if task.length else nearing.ahead
         made, target, spine = carried.step(rotations, root, time, ahead, settles=task.length > 0)
-        if time == 1.0:
+        nearing.nearest = min(nearing.nearest, carried.short)
+        over = carried.let_go and not task.length
+        if over:
+            task.note(
+                f"the {carried.reacher.side} hand came within {1000.0 * nearing.nearest:.0f} mm of its place in passing"
+            )
+        elif time == 1.0:
             _tell_missed(task, carried)
         made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
         made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
@@ -85,6 +92,8 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         importance[carried.reacher.links], importance[links] = _ARM, 1.0
         importance[_SPINE] = spine
         yield task.block(made[None], root[None], importance, targets)
+        if over:
+            return
 
 
 def _head_start(length: int, relaxed: int) -> int:
@@ -115,12 +124,14 @@ class _Gaze:
 class _Nearing:
     """How the body comes nearer to a goal, from frame to frame.
 
-    carried: the hand, once it is chosen; before, the one that would come there more easily counts.
+    carried: the hand, once it is chosen; before, the one that would come there more easily counts. nearest: metres that
+    it was from its place at the least.
     """
 
     def __init__(self, task: HumanTask, goal: Goal) -> None:
         self._task, self._goal, self._sides = task, goal, sides_of(task)
         self.carried: Carried | None = None
+        self.nearest = np.inf
         self._before: Array | None = None
         self._missing = self._closing = self._begun = 0.0
         self._rested, self._towards = 0, np.zeros(3)
@@ -143,7 +154,7 @@ class _Nearing:
             slow = float(np.linalg.norm((present.root - before)[:2])) * task.rate < _RESTING
             self._rested = self._rested + 1 if slow else 0
         self._missing, self._before = missing, present.root.copy()
-        if self._rested == self._patience and missing + _GIVEN > _BENDS:
+        if self._rested == self._patience and missing + _GIVEN > _BENDS and self.nearest > _MOST_MISSED:
             short = f"{carried.reacher.side} arm is {missing + _GIVEN:.2f} m too short"
             raise AlgorithmError(f"the {short} for that where the walk has ended")
         self._begun = self._begun if self.carried else missing

@@ -96,6 +96,11 @@ class Carried:
         """Whether the body has left the place behind, out of reach."""
         return self._left > 0.0
 
+    @property
+    def let_go(self) -> bool:
+        """Whether the hand is back where it was on the body."""
+        return self._left >= 1.0
+
     def step(
         self, rotations: Array, root: Array, time: float, ahead: Array, *, settles: bool = True
     ) -> tuple[Array, Array, float]:

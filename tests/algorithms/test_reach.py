@@ -221,6 +221,32 @@ def test_a_place_that_is_passed_is_let_go_of_smoothly(name: str, hand: str, asid
     assert "fewer frames" in note
 
 
+@pytest.mark.parametrize(("name", "hand"), [("ken", "left"), ("aiko", "right")])
+def test_who_goes_on_past_a_place_has_reached_when_the_hand_has_let_go(name: str, hand: str) -> None:
+    """Without a number of frames it is no failure that the walk ends far beyond; how near the hand came is told."""
+    aside = 0.73 if name == "ken" else 0.66  # a little too far for the arm alone
+    body, place = Body(name, x=-1.5, facing=0.0), np.array([0.0, aside if hand == "left" else -aside, 0.92])
+    fields = FREE | {"hand": hand, "goal": Goal(place=tuple(place.tolist()))}
+    performance = Performance(program("reach"), body.start(FLOOR, "stand", carried=True, **fields))
+    off: list[float] = []
+    for k in range(1, 300):
+        if not performance.step(body.row(k)):
+            break
+        pose = HumanPose.of(performance.row.copy())
+        root = body.root + np.array([0.016 if body.root[0] < 1.5 else 0.0, 0.0, 0.0])
+        driven = np.where(pose.importance[:43, None] > 0.0, pose.rotations, body.rotations)
+        body.rotations, body.root = solve(body.skeleton, driven, root, pose.targets), root
+        off.append(float(np.linalg.norm(body.grip(("right", "left").index(hand)).place - place)))
+        if performance.over:
+            break
+    (note,) = performance.news()
+    assert f"the {hand} hand came within" in note
+    assert min(off) < 0.05
+    assert abs(float(note.split("within ")[1].split(" mm")[0]) - 1000.0 * min(off)) < 4.0
+    assert off[-1] > 0.3
+    assert body.root[0] < 1.4, "before the walk ends"
+
+
 def test_without_a_site_and_a_goal_it_asks_where() -> None:
     start = msgspec.structs.replace(Body().start(TELEVISION, "look", **FREE), site="", object=None)
     with pytest.raises(AlgorithmError, match="reach where"):
