@@ -117,6 +117,11 @@ class Rig:
                     found.append((entry, start))
         return found
 
+    @property
+    def main(self) -> MainProcess:
+        """The main itself."""
+        return self._main
+
     def place_of(self, name: str) -> Array:
         """Where an object is, metres."""
         return self._main.communication.pose(name)[:3].copy()

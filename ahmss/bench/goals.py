@@ -51,6 +51,9 @@ GOALS = (
     Goal("server.humans", "humans at 60 Hz on one core, p99 under a frame", "", "1", 1000, least=True),
     Goal("latency_ms.p99", "pose sent to world seen, 100 humans, p99", "ms", "about 200", 5.0, least=False),
     Goal("body_us_per_human", "blend of 4 and forward kinematics, of 1,000", "µs", "-", 2.0, least=False),
+    Goal("lookup_us.10", "an action found and asked whether it may be done, 10 objects", "µs", "-", 1600, least=False),
+    Goal("lookup_us.10000", "the same among 10,000 objects", "µs", "-", 1600, least=False),
+    Goal("memory_mb.buttons_10000", "a main's memory of 10,000 push buttons", "MB", "-", 50, least=False),
 )
 
 

@@ -78,6 +78,18 @@ def _body(_: Workspace) -> dict[str, Any]:
     return {"body_us_per_human": us_per_human()}
 
 
+def _lookup(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.crowded import lookup_us
+
+    return {"lookup_us": lookup_us(workspace)}
+
+
+def _memory(workspace: Workspace) -> dict[str, Any]:
+    from ahmss.bench.crowded import memory_mb
+
+    return {"memory_mb": memory_mb(workspace)}
+
+
 MEASURES: dict[str, Callable[[Workspace], dict[str, Any]]] = {
     "start": _start,
     "compute": _compute,
@@ -85,6 +97,8 @@ MEASURES: dict[str, Callable[[Workspace], dict[str, Any]]] = {
     "server": _server,
     "latency": _latency,
     "body": _body,
+    "lookup": _lookup,
+    "memory": _memory,
     "polygons": _polygons,
     "starts": _starts,
     "shown": _shown,

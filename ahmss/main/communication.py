@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+from collections import ChainMap
 from collections.abc import Callable, Generator, Mapping, Sequence
 
 import msgspec
@@ -53,7 +54,7 @@ class Communication:
     @property
     def objects(self) -> Mapping[str, ObjectRecord]:
         """The records of the world's objects, with the states that this human has changed last, and of its humans."""
-        return Everything(self._things, Humans(self.world))
+        return Everything(self._things, Humans(self.world), self.world.called)
 
     @property
     def _things(self) -> Mapping[str, ObjectRecord]:
@@ -65,7 +66,7 @@ class Communication:
             for name, (_, states) in self._said.items()
             if name in records
         }
-        return {**records, **changed}
+        return ChainMap(changed, records)  # no copy: there may be very many
 
     @property
     def world(self) -> World:

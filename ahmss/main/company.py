@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -101,10 +101,15 @@ class Humans(Mapping[str, ObjectRecord]):
 
 
 class Everything(Mapping[str, ObjectRecord]):
-    """Objects and humans by name; an object that is called like a human hides it."""
+    """Objects and humans by name; an object that is called like a human hides it.
 
-    def __init__(self, objects: Mapping[str, ObjectRecord], humans: Humans) -> None:
-        self._objects, self._humans = objects, humans
+    called: the objects that are parts of others, by the last part of their names.
+    """
+
+    def __init__(
+        self, objects: Mapping[str, ObjectRecord], humans: Humans, called: Callable[[str], Sequence[str]]
+    ) -> None:
+        self._objects, self._humans, self.called = objects, humans, called
 
     def __getitem__(self, name: str) -> ObjectRecord:
         """One of them. KeyError: neither object nor human."""

@@ -24,7 +24,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
 from ahmss.main.afforded import Actor, Meant, meant, why_not
 from ahmss.main.command import Act, Value
-from ahmss.main.company import KIND
+from ahmss.main.company import KIND, Everything
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
 from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
 from ahmss.world.schema import ObjectRecord
@@ -257,9 +257,11 @@ def find_object(scene: Scene, name: str) -> str:
     Raises:
         CommandError: none of that name, or more than one.
     """
-    if name in scene.objects:
+    objects = scene.objects
+    if name in objects:
         return name
-    meant = [full for full in scene.objects if full.endswith(f"/{name}")]
+    among = objects.called(name.rsplit("/", 1)[-1]) if isinstance(objects, Everything) else objects
+    meant = [full for full in among if full.endswith(f"/{name}")]
     if len(meant) == 1:
         return meant[0]
     if meant:

@@ -52,6 +52,7 @@ class World:
         self._rows: dict[str, int] = {}
         self._changed: tuple[str, ...] = ()
         self._put: dict[str, ObjectRecord] = {}
+        self._last: dict[str, list[str]] | None = None
 
     # What a reader asks
 
@@ -83,6 +84,19 @@ class World:
     def held_by(self, human: str) -> list[str]:
         """Names of the objects that the human holds."""
         return [name for name, record in self.objects.items() if record.holder == human]
+
+    def called(self, last: str) -> list[str]:
+        """Names of the objects that are parts of others and whose last part is this: `room/cup` for `cup`.
+
+        An index, made when it is first asked for: a name is found as fast among 10,000 objects as among ten.
+        """
+        if self._last is None:
+            found: dict[str, list[str]] = {}
+            for name in list(self._rows):
+                if "/" in name:
+                    found.setdefault(name.rsplit("/", 1)[-1], []).append(name)
+            self._last = found
+        return list(self._last.get(last, ()))
 
     # What the client tells it
 
@@ -134,7 +148,7 @@ class World:
     # How
 
     def _index(self, records: list[ObjectRecord]) -> None:
-        self._scene = records
+        self._scene, self._last = records, None
         self.objects = {record.name: record for record in records}
         self._names = {record.id: record.name for record in records}
         self._rows = {record.name: row for row, record in enumerate(records)}
