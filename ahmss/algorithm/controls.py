@@ -96,10 +96,13 @@ def front_of(control: Transform) -> Array:
     return front / length if length > 1e-6 else np.array([1.0, 0.0])
 
 
-def before(task: HumanTask, away: float, aside: float = 0.0) -> goals.Goal:
-    """Where one stands so far before the task's control, and so far to the left of it, clear of what stands about."""
+def before(task: HumanTask, away: float, aside: float = 0.0, front: Array | None = None) -> goals.Goal:
+    """Where one stands so far before the task's control, and so far to the left of it, clear of what stands about.
+
+    front: (2,) the level way from it to where one stands, of length 1; None: out of it.
+    """
     assert task.object is not None
-    front = front_of(task.object.frame)
+    front = front_of(task.object.frame) if front is None else front
     left = np.array([front[1], -front[0]])  # of who looks at it
     wanted = task.object.place[:2] + away * front + aside * left
     free = nearest_free(wanted, ground_of(task).outlines, _CLEAR)

@@ -19,6 +19,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.reacher import heading_of
+from ahmss.walking.goals import Goal
 
 LEGIBLE, NEARER = 1.2, 0.7  # metres, where its properties do not say; of that, from where one comes to read it
 TURNS = 0.35  # seconds in which the head turns
@@ -35,7 +36,7 @@ def check(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("check needs a site: the face of what is read, its x out of it")
     gaze = Looking(task, task.site.place)
     if task.library is not None and not task.carried and not _legible(task):
-        task, gaze = yield from gone_to(task, before(task, NEARER * _far(task)), gaze)
+        task, gaze = yield from gone_to(task, _stand(task), gaze)
     length = task.length or round((TURNS + task.parameter("seconds", 1.5)) * task.rate)
     frames = gaze.frames + np.arange(1.0, length + 1.0)
     importance = np.zeros(44)
@@ -48,6 +49,22 @@ def check(task: HumanTask) -> Iterator[Array]:
     yield rows[:seen]
     task.note(_said(task))
     yield rows[seen:]
+
+
+def _stand(task: HumanTask) -> Goal:
+    """Where it is read from; what is seen from all sides, from the side where one is, and no nearer than one is."""
+    assert task.object is not None
+    away = NEARER * _far(task)
+    if not _anywhere(task):
+        return before(task, away)
+    off = (task.start.root - task.object.place)[:2]
+    distance = float(np.linalg.norm(off))
+    return before(task, min(away, distance), front=off / max(distance, 1e-6))
+
+
+def _anywhere(task: HumanTask) -> bool:
+    assert task.object is not None
+    return task.object.sites[task.message.site].free_axis == "z"
 
 
 def _far(task: HumanTask) -> float:
@@ -64,9 +81,7 @@ def _legible(task: HumanTask) -> bool:
     out = rotate(task.site.rotation, np.array([1.0, 0.0, 0.0]))
     aside = np.arctan2(off[1], off[0]) - heading_of(task.start.rotations, task.start.root)
     aside = abs((aside + np.pi) % (2.0 * np.pi) - np.pi)
-    assert task.object is not None
-    anywhere = task.object.sites[task.message.site].free_axis == "z"
-    return bool(away <= _far(task) and aside < ASIDE and (anywhere or -off @ out > away * np.cos(OBLIQUE)))
+    return bool(away <= _far(task) and aside < ASIDE and (_anywhere(task) or -off @ out > away * np.cos(OBLIQUE)))
 
 
 def _said(task: HumanTask) -> str:
