@@ -7,6 +7,7 @@ the hand comes along its x, thumb and fingers close along its z. What the shippe
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,23 +17,28 @@ from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking, performed, sides_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding, opener
 from ahmss.grasping.precision import precision
+from ahmss.grasping.rolling import rolled
 from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.handpoints import hand_points
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing
+from ahmss.reaching.reacher import Reacher, seat
 
 __all__ = ["Part", "gone_back", "pinched", "rows_made"]
 
 _BEFORE = 0.07  # metres before the part at which the open hand is set, and to which it goes back
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
+_MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
 _GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
@@ -53,33 +59,48 @@ class Part:
     seconds: float
 
 
-def pinched(task: HumanTask, part: Part) -> Iterator[Array]:
+def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[Array]:
     """Frames (n, 260): the hand comes, closes, moves the part, opens, and goes back the way that it came.
+
+    Where the arm can't go all the way so it goes the other way, if there is one, with the same site.
 
     Raises:
         AlgorithmError: thumb and fingers can't close there, or it is out of reach; says so.
     """
-    gaze, grips = Looking(task, part.site.place), dict[str, list[_Grip]]()
+    gaze, taken = Looking(task, part.site.place), dict[str, list[_Grip]]()
     yield gaze.alone()
     for side in sides_of(task):
         for over in _OVER:
             if grip := _grip(task, side, part, over):
-                grips.setdefault(side, []).append(grip)
+                taken.setdefault(side, []).append(grip)
             yield gaze.alone()
-    if not grips:
+    if not taken:
         name = "it" if task.object is None else task.object.name
         raise AlgorithmError(f"thumb and fingers can't close on {name} there; give the site another rotation")
-    palms = {side: np.concatenate([_tilted(task, part, grip) for grip in found]) for side, found in grips.items()}
+    palms = {side: np.concatenate([_tilted(task, part, grip) for grip in found]) for side, found in taken.items()}
     goal, prisms = Goal(part.site.place, palms=palms), in_the_way(task)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
+    lasting = _lasting(task, part, palms)
+    goal = Goal(part.site.place, palms=lasting or palms)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
-        grip = min(grips[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
-        return _made(task, part, plan, gaze, reaching, grip.holding)
+        grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
+        made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
+        if other is not None and _missed(task, part, plan, made) > _MISSED:
+            made = yield from _made(task, other, plan, gaze, reaching, grip.holding)
+        return made
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, -_BEFORE * into, perform)
+    rest = {side: own for side, own in goal.palms.items() if side != plan.reacher.side}
+    missed = _missed(task, part, plan, made)
+    if rest and missed > _MISSED:
+        goal = Goal(part.site.place, palms=rest)
+        with suppress(AlgorithmError):  # the other hand may not reach it: then this one does what it can
+            second = yield from smoothest(task, reaching, goal, gaze, prisms, -_BEFORE * into, perform)
+            if _missed(task, part, *second) < missed:
+                plan, made = second
     yield rows_made(task, made)
     length = len(made.root) - len(_moved(task, part, plan.palm)[0])
     yield gone_back(task, made, length, plan.reacher.links)
@@ -91,10 +112,60 @@ def _made(
     """The frames of a plan, the fingers closing and opening."""
     side = plan.reacher.side
     then, closed = _moved(task, part, plan.palm)
+    holding = _held(task, part, plan, holding)
     wide, links = opener(Hand.of(task.human, side), holding), list(fingers(side))
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
     made.rotations[len(made.root) - len(then) :, links] = slerp(wide, holding.shape, closed[:, None])
     return made
+
+
+def _held(task: HumanTask, part: Part, plan: Plan, holding: Holding) -> Holding:
+    """The grip closed on the part by the hand as it was set there, turned about it."""
+    thing = task.object
+    assert thing is not None
+    assert thing.shape is not None
+    assert task.site is not None
+    at_rest = thing.frame.inverse().then(task.site)  # the shape has the part so
+    palm = at_rest.then(part.site.inverse().then(_palm_on(part, plan.palm)))
+    hand = Hand.of(task.human, plan.reacher.side)
+    return rolled(hand, thing.shape.field(at_rest.place), palm.row(), holding)
+
+
+def _lasting(task: HumanTask, part: Part, palms: dict[str, Array]) -> dict[str, Array]:
+    """By side, of palms (n, 7) on the part those which the arm can bring to both ends of its way; sides with some."""
+    start, lasting = task.start, dict[str, Array]()
+    spine = seat(task.human, start.rotations, start.root)
+    for side, own in palms.items():
+        reacher = Reacher.of(task.human, side)
+        on_part = [_on(part, Transform.of(palm), np.array([0.0, 1.0])) for palm in own]
+        _, found, _ = discomfort(
+            reacher, np.stack(on_part), spine, reacher.arm.from_pose(start.rotations[reacher.links])
+        )
+        both = found.all(axis=1)
+        if both.any():
+            lasting[side] = own[both]
+    return lasting
+
+
+def _palm_on(part: Part, set_at: Array) -> Transform:
+    """The palm on the part, of a hand that is set before it (7,)."""
+    return Transform(set_at[:3] + _BEFORE * rotate(part.site.rotation, np.array([1.0, 0.0, 0.0])), set_at[3:])
+
+
+def _on(part: Part, palm: Transform, share: Array) -> Array:
+    """Palms (n, 7) on the part when it has gone such shares (n) of its way."""
+    held, along = part.way(share)
+    places = held + rotate(along, palm.place - part.site.place)
+    return np.concatenate([places, multiply(along, palm.rotation)], axis=-1)
+
+
+def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
+    """Metres by which a point of the hand at the part's distance from the palm is off at the most: the arm's joints."""
+    then, _ = _moved(task, part, plan.palm)
+    n = len(then)
+    got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
+    turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
+    return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned).max())
 
 
 def rows_made(task: HumanTask, made: Performed) -> Array:
@@ -174,14 +245,12 @@ def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
     came from; and how far the fingers are closed (n), 0 to 1.
     """
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
-    palm = Transform(set_at[:3] + _BEFORE * into, set_at[3:])
     counts = [round(seconds * task.rate) for seconds in (_COMES, _CLOSES, part.seconds, _OPENS, _LEAVES, _RETURNS)]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
     back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
     way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
     closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
-    held, along = part.way(way)
-    on_part = palm.place - part.site.place
-    places = held + rotate(along, on_part) - _BEFORE * back[:, None] * rotate(along, into)
-    return np.concatenate([places, multiply(along, palm.rotation)], axis=-1), closed
+    palms = _on(part, _palm_on(part, set_at), way)
+    palms[:, :3] -= _BEFORE * back[:, None] * rotate(part.way(way)[1], into)
+    return palms, closed

@@ -17,6 +17,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 
 TURNS = 0.75  # seconds
+HALF = 0.5  # of the turn: a wrist that can't make more of it does so much
 NEAR = 0.02  # radians: so near to a position it is in it
 
 
@@ -40,11 +41,14 @@ def turn(task: HumanTask) -> Iterator[Array]:
     along = task.parameter("along", 0.5)
     site = _about(pivot, axis, now, task.site)
 
-    def way(share: Array) -> tuple[Array, Array]:
-        around = from_axis_angle(axis, angle * share)
-        return pivot + rotate(around, site.place - pivot), from_axis_angle(axis, along * angle * share)
+    def turned(along: float) -> Part:
+        def way(share: Array) -> tuple[Array, Array]:
+            around = from_axis_angle(axis, angle * share)
+            return pivot + rotate(around, site.place - pivot), from_axis_angle(axis, along * angle * share)
 
-    return pinched(task, Part(site, way, TURNS))
+        return Part(site, way, TURNS)
+
+    return pinched(task, turned(along), turned(0.5 * along) if along > HALF else None)
 
 
 def _told(task: HumanTask) -> Mapping[str, Any]:

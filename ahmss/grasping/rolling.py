@@ -1,0 +1,38 @@
+"""Pads that roll on what they hold: fingers closed anew by a hand that is turned about what is between them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_matrix
+from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands, close_fingers, close_thumb
+from ahmss.grasping.field import Field
+from ahmss.grasping.hand import Hand, Thumb
+from ahmss.grasping.holding import Holding
+
+__all__ = ["rolled"]
+
+MOST = 0.45  # radians that a joint goes on from how it took hold
+
+
+def rolled(hand: Hand, field: Field, palm: Array, holding: Holding) -> Holding:
+    """A precision grip closed anew where the palm is at another place (7,) in the object's frame.
+
+    Args:
+        hand: that holds.
+        field: of the object, in whose frame all is.
+        palm: its palm's frame.
+        holding: how it took hold, from which no joint goes far.
+    """
+    q_object_hand = multiply(palm[3:], conjugate(hand.grip[3:]))
+    hands = Hands((palm[:3] - rotate(q_object_hand, hand.grip[:3]))[None], to_matrix(q_object_hand)[None])
+    flexion = close_fingers(hand, hands, field, PRECISION).flexion
+    flexion = np.clip(flexion, holding.flexion - MOST, holding.flexion + MOST)
+    rise, bend = np.full(1, float(holding.thumb.rise)), np.full(1, THUMB_SLACK)
+    thumb, _, _ = close_thumb(hand, hands, field, flexion, rise, bend)
+    out = np.clip(thumb.out[0], holding.thumb.out - MOST, holding.thumb.out + MOST)
+    one = Thumb(out, thumb.rise[0], thumb.bend[0])
+    return replace(holding, palm=palm, shape=hand.rotations(flexion[0], one), flexion=flexion[0], thumb=one)
