@@ -17,7 +17,7 @@ from ahmss.motion.smoothness import joint_motion, worst_pop
 
 from .conftest import CUP, DOOR, ROOT
 from .recorded import Recorded
-from .scenario import caught_at, drift, met, states_of
+from .scenario import Met, caught_at, drift, met, states_of
 from .varied import VARIATIONS, varied
 
 pytestmark = pytest.mark.timeout(180)  # the first test plays it
@@ -26,10 +26,12 @@ TELEVISION, SWITCH, TAP, CHAIR = "room/television", "room/television/switch", "r
 HEIGHT = 0.095  # of the cup
 MOST_ACCELERATION, P99_ACCELERATION = 382.0, 213.0  # rad/s2, straight walks of real capture
 MOST_POP = 7.0  # degrees; 14 to 33 in straight walks of real capture
-TOUCHES, THROUGH = 0.008, 0.015  # metres: skin that gives way where a hand holds; nothing is deeper in anything
-# Metres. Where things stand elsewhere, who turns beside one does not look where the knees go, as docs/walking.md tells:
-# a leg was 100 mm in the sink once, an upper arm 32 mm in the television.
-ELSEWHERE = 0.11
+# Metres: skin that gives way where a hand holds and where one sits; no limb is deeper in anything than THROUGH, no leg
+# or foot than LEGS.
+TOUCHES, SITS, THROUGH, LEGS = 0.008, 0.010, 0.008, 0.004
+# There a table's corner is close before the chair, and one stands squeezed between its edge and the doorway: arms, the
+# left one with the cup while one sits down, are as deep in these.
+SQUEEZED = {"table turned": 0.026}
 
 
 @dataclass(frozen=True)
@@ -105,11 +107,18 @@ def hand_holds_the_cup(scenario: Scenario) -> None:
 
 
 def nothing_is_gone_through(scenario: Scenario, workspace: Path = ROOT, every: int = 4, most: float = THROUGH) -> None:
-    """Hands touch what they hold; nothing else is in anything."""
-    worst = met(scenario.path, scenario.human, workspace, every)
-    assert not worst or worst[0].depth < most, worst[:5]
-    others = [one for one in worst if not one.link.startswith(("left_", "right_")) and one.depth > TOUCHES]
-    assert not others, others[:5]
+    """Hands touch what they hold, thighs what they sit on; nothing else is in anything."""
+    legs, rest, trunk = list[Met](), list[Met](), list[Met]()
+    for one in met(scenario.path, scenario.human, workspace, every):
+        if one.link.endswith("upper_leg") and one.thing.endswith("chair"):
+            assert one.depth < SITS, one
+        elif one.link.endswith(("_leg", "foot")):
+            legs.append(one)
+        else:
+            (rest if one.link.startswith(("left_", "right_")) else trunk).append(one)
+    assert not legs or legs[0].depth < LEGS, legs[:5]
+    assert not rest or rest[0].depth < most, rest[:5]
+    assert not trunk or trunk[0].depth < TOUCHES, trunk[:5]
 
 
 def it_moves_as_people_do(scenario: Scenario) -> None:
@@ -182,4 +191,4 @@ def test_the_same_script_works_elsewhere(name: str, tmp_path: Path) -> None:
     it_moves_as_people_do(scenario)
     assert scenario.played.root[-1, 2] < 0.6  # it sits
     assert scenario.speed[scenario.from_lips < 0.08].max() > 0.3  # and drank while walking
-    nothing_is_gone_through(scenario, change.workspace, every=6, most=ELSEWHERE)
+    nothing_is_gone_through(scenario, change.workspace, every=6, most=SQUEEZED.get(name, THROUGH))

@@ -32,7 +32,7 @@ def varied(name: str, folder: Path) -> Varied:
     text = (ROOT / "examples" / "scenario.txt").read_text()
     change = Varied(folder / "scenario.txt")
     if name.startswith("chair"):
-        where = "2.2 0.9 0 facing 150" if name == "chair turned" else "2.13 0.45 0 facing 180"
+        where = "1.98 0.7 0 facing 150" if name == "chair turned" else "2.13 0.45 0 facing 180"
         text = _after_room(text, "remove room/chair", f"add chair at {where}")
         change = replace(change, chair="chair")
     elif name == "table turned":
