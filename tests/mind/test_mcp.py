@@ -148,3 +148,48 @@ def test_the_room_is_worked_through_by_what_the_sentences_say() -> None:
         assert "allowed: shut, running" in mind.wrong("wait", condition="tap flow == open")
         assert mind.right("wait", condition="tap flow == running", seconds=5) == "tap flow is running."
         assert "room/cup in the " in mind.right("where_am_i")
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_the_pump_is_started_by_who_was_told_the_tools_alone_and_reads_why_not() -> None:
+    """A fixed plan; whatever comes next is taken from what was said before."""
+    with collaborate("--scene", "control_room", "--at", "0.6", "0.3") as mind:
+        listed = mind.right("list_objects")
+        pump = re.search(r"^(\S+): A pump .*running is off", listed, re.M)
+        starts = re.search(r"(\w+) starts the pump once the (\w+) allows it", listed)
+        valve = re.search(r"(\w+) is the valve whose pressure (\w+) shows", listed)
+        assert pump is not None
+        assert starts is not None
+        assert valve is not None
+        # It can't be started itself; what it affords is to look, and that says that it stands still.
+        affords = re.search(r"it affords: (\w+)", mind.wrong("act", object=pump[1], action="start"))
+        assert affords is not None
+        assert "running is off" in mind.right("act", object=pump[1], action=affords[1])
+        # The button alone does nothing, and the state waited for says so.
+        assert "did you mean button_" in mind.wrong("act", object="button", action="press")
+        mind.right("act", object=starts[1], action="press")
+        assert "running is off after" in mind.wrong("wait", condition=f"{pump[1]} running == on", seconds=1)
+        assert "enabled is no" in next(line for line in mind.right("list_objects").splitlines() if pump[1] in line)
+        # The key does not turn under its cover; what does it afford now?
+        said = mind.wrong("act", object=starts[2], action="turn")
+        opens = re.search(r"only when cover == open; .*it affords now: (\w+)", said)
+        assert opens is not None
+        mind.right("act", object=starts[2], action=opens[1])
+        # A position that it does not have: those that it has.
+        said = mind.wrong("act", object=starts[2], action="turn", parameters={"position": "start"})
+        there = re.search(r"it has: off, (\w+)", said)
+        assert there is not None
+        told = mind.right("act", object=starts[2], action="turn", parameters={"position": there[1]})
+        assert f"position is {there[1]}" in told
+        mind.right("act", object=starts[1], action="press")
+        assert mind.right("wait", condition=f"{pump[1]} running == on", seconds=5) == f"{pump[1]} running is on."
+        # And its valve, by a level out of range first.
+        ranged = re.search(
+            r"allowed: (\S+) to (\S+)", mind.wrong("act", object=valve[1], action="slide", parameters={"level": 60})
+        )
+        assert ranged is not None
+        mind.right("act", object=valve[1], action="slide", parameters={"level": 0.6 * float(ranged[2])})
+        shown = re.search(r"value is (\S+)", mind.right("act", object=valve[2], action="check"))
+        assert shown is not None
+        assert float(shown[1]) == pytest.approx(0.6, abs=0.02)
