@@ -36,7 +36,8 @@ _BETTER = 0.25  # by which another palm must be easier than the one that is gone
 _STEP = np.radians(1.0)  # by which the palm at the end is chosen anew from frame to frame
 _SETTLED = 0.8  # of the time: from then on the palm's end stays
 _MOVE = 0.004  # metres that its end may move in a frame before
-_MOST = 4.0  # the spine's importance then: a walk's is a tenth of it
+_WALKS, _LEAVES_IT = 0.4, 0.015  # a walk's importance for the spine, and what is left to it of that in the end
+_TURNS_ON = np.radians(1.5)  # of the trunk, that it is expected to turn on in a frame at the most
 _LEFT_FROM = 0.88  # of the arm's length: what is farther off
 _LEAVES = 0.004  # and goes away by so many metres a frame, is let go of
 _NEWEST = 0.1  # of how fast it goes away that the newest frame makes
@@ -139,7 +140,7 @@ class Carried:
         palm = self._tracking.step(wanted, spine, time)
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
         out[reacher.links] = reacher.arm.into_pose(self._tracking.links)
-        return out, np.append(palm, 1.0 - left), _MOST * share * share * (3.0 - 2.0 * share)
+        return out, np.append(palm, 1.0 - left), _importance(share)
 
     def _bent(self, hips: Array, root: Array, ahead: Array, share: Array) -> Array:
         """The spine's rotation (4,), bent by a share of what the waist gives, the body not carried past the place."""
@@ -154,7 +155,9 @@ class Carried:
         """The spine link's place and rotation in the next frame, the trunk turning on as it does."""
         place, now = seat(self.reacher.skeleton, rotations, root)
         before, self._chest = self._chest, now
-        return place, multiply(now, multiply(conjugate(before), now))
+        turn = to_rotation_vector(multiply(conjugate(before), now))
+        turn = turn * min(1.0, _TURNS_ON / max(float(np.linalg.norm(turn)), 1e-9))
+        return place, multiply(now, from_rotation_vector(turn))
 
     def _letting_go(self, shoulder: Array) -> Array:
         """How far the place is let go of, 0 to 1, where it goes away from the shoulder (3,), beyond the arm."""
@@ -179,6 +182,12 @@ class Carried:
         """Metres by which the arm is too short for its palm in a pose, less than 0 where it is not."""
         wrist, _ = self.reacher.hand(self.palm)
         return float(np.linalg.norm(wrist - _shoulder(self.reacher, rotations, root))) - self.reacher.length
+
+
+def _importance(share: float) -> float:
+    """The spine's importance where so much of it, 0 to 1, is the reach's: little is left to change when a walk ends."""
+    owned = share * share * (3.0 - 2.0 * share)
+    return _WALKS * owned / (1.0 + _LEAVES_IT - owned)
 
 
 def _nearer(palm: Array, better: Array) -> Array:
