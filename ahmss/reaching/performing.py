@@ -94,6 +94,7 @@ def perform(
     """
     then = _NOTHING_THEN if then is None else then
     body = _carried(plan, np.concatenate([time, np.ones(len(then))]), gaze, looked, fingers)
+    yield
     best = yield from _solved(plan, body, then)
     ways, raises = plan.otherwise(), _RAISES
     while best.flaw > 0.0 and (ways or raises):
@@ -103,6 +104,7 @@ def perform(
         before, best = best, min(best, arm, key=lambda one: one.flaw + _DETOUR * one.plan.curve.length)
         if way is None:  # higher, for as long as that helps
             raises = 0 if best is before else raises - 1
+    yield
     return _performed(best, body, gaze, looked, fingers[0])
 
 
