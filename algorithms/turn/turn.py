@@ -19,6 +19,7 @@ from ahmss.errors import AlgorithmError
 TURNS = 0.75  # seconds
 HALF = 0.5  # of the turn: a wrist that can't make more of it does so much
 NEAR = 0.02  # radians: so near to a position it is in it
+ON_AXIS = 0.01  # metres from the axis within which the hand is at its middle, as `turned` has it
 
 
 def turn(task: HumanTask) -> Iterator[Array]:
@@ -48,7 +49,11 @@ def turn(task: HumanTask) -> Iterator[Array]:
 
         return Part(site, way, TURNS)
 
-    return pinched(task, turned(along), turned(0.5 * along) if along > HALF else None)
+    # What is turned about its own middle is told by the palm's turn how far: there it has to make its share.
+    off = site.place - pivot
+    aside = float(np.linalg.norm(off - (off @ axis) * axis))
+    other = turned(0.5 * along) if along > HALF and aside > ON_AXIS else None
+    return pinched(task, turned(along), other)
 
 
 def _told(task: HumanTask) -> Mapping[str, Any]:

@@ -81,6 +81,7 @@ def test_the_pump_runs_in_the_end_and_everything_came_in_its_order(tmp_path: Pat
         ("key_switch", "cover", "closed"),
     )  # fmt: skip
     assert of(changes, "telephone", "hook") == ["off", "on"]
+    assert world.pose("telephone/handset")[:3] == pytest.approx([-0.1, 1.25, 0.92], abs=0.005)  # in its cradle
     assert of(changes, "pump", "running") == ["on"]
     assert of(changes, "button_1", "lamp") == ["on", "off"]
     assert of(changes, "window_1", "window") == ["alarm", "acknowledged", "normal"]
