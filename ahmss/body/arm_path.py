@@ -157,9 +157,11 @@ def ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: flo
     free = ~exact[..., None]
     low = np.where(free, limits[..., 0], angles)
     high = np.where(free, limits[..., 1], angles)
-    for frame in range(len(angles) - 2, -1, -1):
+    for frame in np.flatnonzero(free.reshape(len(free), -1)[:-1].any(axis=-1))[::-1]:
         low[frame] = np.where(free[frame], np.maximum(low[frame], low[frame + 1] - step), low[frame])
         high[frame] = np.where(free[frame], np.minimum(high[frame], high[frame + 1] + step), high[frame])
+    if angles.ndim == 2:  # of a single arm: Python's floats are faster than arrays of one
+        return _eased(angles, free[:, 0], before, (low, high), step)
     out, leaps = angles.copy(), np.zeros(exact.shape, bool)
     for frame in range(len(angles)):
         nearest = np.clip(before, low[frame], high[frame])  # where even this is a leap, it is taken at once
@@ -168,6 +170,21 @@ def ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: flo
         out[frame] = np.where(free[frame], np.where(far, nearest, drawn), angles[frame])
         leaps[frame] = np.any(far & free[frame], axis=-1)
         before = out[frame]
+    return out, leaps
+
+
+def _eased(angles: Array, free: Any, before: Array, room: tuple[Array, Array], step: float) -> tuple[Array, Any]:
+    """The same for one arm's angles (F, 3), free (F,), within lowest and highest (F, 3)."""
+    out, leaps = angles.copy(), np.zeros(len(angles), bool)
+    for frame in np.flatnonzero(free).tolist():
+        last: list[float] = (before if frame == 0 else out[frame - 1]).tolist()
+        lows, highs = room[0][frame].tolist(), room[1][frame].tolist()
+        for i, (angle, low, high, was) in enumerate(zip(angles[frame].tolist(), lows, highs, last, strict=True)):
+            nearest = min(max(was, low), high)
+            if abs(nearest - was) > step * (1.0 + 1e-9):
+                out[frame, i], leaps[frame] = nearest, True
+            else:
+                out[frame, i] = min(max(angle, max(low, was - step)), min(high, was + step))
     return out, leaps
 
 
