@@ -28,6 +28,7 @@ __all__ = [
     "close_fingers",
     "close_thumb",
     "hook_fingers",
+    "tightened",
 ]
 
 TOUCH = 0.0015  # metres within which skin counts as touching
@@ -37,6 +38,7 @@ COARSE, FINE = 16, 6  # places looked at on the way, then between the last that 
 MOST = np.radians([95.0, 108.0, 80.0])  # that the joints bend at most
 STRAIGHTENED = 0.3  # of its bend that the end joint keeps while the joint before it goes on
 NOTHING = 9  # the number of no link
+EASED, TIGHTENED = np.radians([12.0, 30.0])  # by which joints open before they close anew, and close at the most
 KNUCKLE = np.radians(25.0)  # by which a knuckle bends until its finger lies on a bar
 FOLLOWS = 0.12  # of all the way that a finger without anything to touch bends further than the one beside it
 THUMB_MOST, THUMB_LEAST, THUMB_BEND, THUMB_SLACK = np.radians([118.0, 22.0, 60.0, 8.0])
@@ -136,6 +138,17 @@ def hook_fingers(hand: Hand, hands: Hands, solid: Solid, start: Array) -> Finger
     flexion = np.where(loose, as_beside, flexion)
     middles, radii = hand.finger_balls(flexion)
     return Fingers(flexion, *_nearest(solid, hands.seen(middles), radii))
+
+
+def tightened(hand: Hand, hands: Hands, solid: Solid, flexion: Array) -> Array:
+    """The flexion (C, 4, 3) of fingers that are nearly closed around a solid, and now until they touch it."""
+    start, most = flexion - EASED, np.minimum(flexion + TIGHTENED, MOST)
+    found, _ = _meet(start, most, _gaps_from(hand, hands, solid, 0, start))
+    for joint in (1, 2):
+        last = found.copy()
+        last[..., joint] = np.maximum(most[..., joint], found[..., joint])
+        found, _ = _meet(found, last, _gaps_from(hand, hands, solid, joint, found))
+    return found
 
 
 def _gaps_from(hand: Hand, hands: Hands, solid: Solid, joint: int, start: Array) -> Callable[[Array], Array]:

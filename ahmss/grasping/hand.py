@@ -150,6 +150,13 @@ class Hand:
         seen = places[:, None, None] + rotate(q_object_hand[:, None, None], middles)
         return -float((solid.clearance(seen) - radii).min())
 
+    def flexion(self, rotations: Array) -> Array:
+        """The flexions (..., 4, 3) of the fingers of rotations (..., 14, 4), radians."""
+        first = fingers(self.side)[0]
+        links = [[INDEX[f"{self.side}_{finger}_{segment}"] - first for segment in SEGMENTS] for finger in FINGERS]
+        own = rotations[..., np.array(links), :]
+        return 2.0 * np.arctan2(self.towards * own[..., 3], own[..., 0])
+
     def rotations(self, flexion: Array, thumb: Thumb) -> Array:
         """Rotations (14, 4) in the order of links, for flexions (4, 3) and one thumb."""
         first = fingers(self.side)[0]

@@ -8,13 +8,14 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_matrix
-from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands, close_fingers, close_thumb
+from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands, close_fingers, close_thumb, tightened
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand, Thumb
 from ahmss.grasping.holding import Holding
 
-__all__ = ["rolled"]
+__all__ = ["rolled", "wrapped_at"]
 
+RISES = np.radians([22.0, 8.0, 0.0, 40.0, 55.0])  # planes of a thumb that wraps, out of the palm to its own side
 MOST = 0.45  # radians that a joint goes on from how it took hold
 
 
@@ -36,3 +37,23 @@ def rolled(hand: Hand, field: Field, palm: Array, holding: Holding) -> Holding:
     out = np.clip(thumb.out[0], holding.thumb.out - MOST, holding.thumb.out + MOST)
     one = Thumb(out, thumb.rise[0], thumb.bend[0])
     return replace(holding, palm=palm, shape=hand.rotations(flexion[0], one), flexion=flexion[0], thumb=one)
+
+
+def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Array:
+    """The fingers (n, 14, 4) about a bar that turns in the hand, the palm at places (n, 7) in the object's frame.
+
+    Args:
+        hand: that holds.
+        field: of the object, in whose frame all is.
+        palms: its palm's frames.
+        nearly: (n, 14, 4) the fingers nearly closed: from a little more open than so they close until they touch.
+    """
+    q_object_hand = multiply(palms[:, 3:], np.broadcast_to(conjugate(hand.grip[3:]), palms[:, 3:].shape))
+    on_hand = np.broadcast_to(hand.grip[:3], palms[:, :3].shape)
+    hands = Hands(palms[:, :3] - rotate(q_object_hand, on_hand), to_matrix(q_object_hand))
+    flexion = tightened(hand, hands, field, hand.flexion(nearly))
+    n = len(palms)
+    tried = [close_thumb(hand, hands, field, flexion, np.full(n, rise), np.full(n, THUMB_SLACK)) for rise in RISES]
+    thumb, _, _ = min(tried, key=lambda one: float(np.abs(one[1].min(axis=1)).max()))
+    shapes = [hand.rotations(flexion[i], Thumb(thumb.out[i], thumb.rise[i], thumb.bend[i])) for i in range(n)]
+    return np.stack(shapes)

@@ -21,6 +21,8 @@ from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.rolling import wrapped_at
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import Cylinder, closed, opened
 from ahmss.motion.planting import feet
@@ -47,9 +49,9 @@ NEAR, MOST = (0.05, np.radians(5.0)), 2.0  # metres and radians: who stands so i
 COMES, CLOSES, OPENS, LEAVES = 0.95, 0.3, 0.25, 0.6  # seconds
 BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, and to which it goes back
 DIAMETER, INTO_FINGERS = 0.022, 0.0165  # metres: of a lever that does not say; how far it lies towards the fingers
-PALM, SKIN = 0.005, 0.003  # metres that palm and fingers are thicker than they are told to be
-FISTS = 4  # angles of the leaf at which the fingers are closed about the lever
-OPENED = 0.4  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
+PALM, SKIN = 0.0065, 0.003  # metres that palm and fingers are thicker than they are told to be
+FISTS = 17  # angles of the leaf at which the fingers are closed about the lever
+OPENED = 0.5  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
 LONGEST = 0.336  # of stature: a step backwards or aside that is made without turning about
 TRIED = 53  # angles that are looked at in a frame
 EASY, STRETCH = 0.86, 40.0  # share of the arm's length up to which it costs nothing, and what a whole one costs
@@ -310,15 +312,27 @@ def _grip(task: HumanTask, door: Door) -> tuple[Transform, Array]:
     radius = 0.5 * float(task.object.properties.get("knob_diameter", DIAMETER))
     to_fingers = np.cos(pitch) * UPWARD + np.sin(pitch) * into
     palm = Transform(door.lever - (radius + PALM) * out - INTO_FINGERS * to_fingers, rotation)
+    angle = np.linspace(door.angle, door.wanted, FISTS)
     row = Reacher.of(task.human, side).row
     seen = palm.then(Transform.of(task.human.grips[row]).inverse()).inverse()  # the leaf as the hand sees it
-    angle = np.linspace(door.angle, door.wanted, FISTS)
     fists: list[Array] = []
     for slant in (door.yaw(angle) - angle).tolist():
         along = rotate(from_axis_angle(UPWARD, np.array(-slant)), thumb)
         bar = Cylinder(seen.apply(door.lever), rotate(seen.rotation, along), radius + SKIN)
         fists.append(closed(task.human, side, bar))
-    return palm, np.stack(fists)
+    return palm, _by_shape(task, door, palm, angle, np.stack(fists))
+
+
+def _by_shape(task: HumanTask, door: Door, palm: Transform, angle: Array, fists: Array) -> Array:
+    """The fists (m, 14, 4) closed onto the leaf's own shape at angles (m) of it, where that is known."""
+    thing = task.object
+    if thing is None or thing.shape is None:
+        return fists
+    palms = Transform.of(door.palms(palm, angle, np.zeros(len(angle))))
+    turned = multiply(door.closed.rotation, from_axis_angle(np.broadcast_to(UPWARD, (len(angle), 3)), angle))
+    leaf = Transform(np.broadcast_to(door.closed.place, (len(angle), 3)), turned)
+    field, seen = thing.shape.field(door.lever), leaf.inverse().then(palms).row()
+    return wrapped_at(Hand.of(task.human, door.hand), field, seen, fists)
 
 
 def _standing(task: HumanTask, stance: Stance, n: int) -> Array:

@@ -13,18 +13,21 @@ from ahmss.algorithm import HumanPose, Transform, frames
 from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
-from ahmss.body.links import INDEX
+from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.quality import worst_pop
+from tests.demo.skin import Skin
+from tests.grasping.shapes import kind, outside
 
 from .reached import outlined
-from .scene import DOOR, Body, program
+from .scene import DOOR, WORKSPACE, Body, program
 from .solids import JAMBS, LEAF, deepest
 
 UP = np.array([0.0, 0.0, 1.0])
 WIDE = 1.3
 PASSES = 0.55  # metres that a human needs
+OPPOSITE = -0.6  # cosine between the sides of the lever on which fingers are
 BEFORE, BEHIND = np.array([0.5, -0.6, 0.0]), np.array([0.7, 0.9, 0.0])  # in the closed door's frame, either side
 HANGS = Transform(np.array([0.4, 0.0, 0.005]), from_axis_angle(UP, np.pi))  # in the doorway's
 
@@ -109,6 +112,39 @@ def test_the_hand_is_on_the_lever_while_the_leaf_turns_softly(name: str, action:
     bent = np.degrees(2.0 * np.arccos(np.clip(np.abs(rotations[:, INDEX["spine"], 0]), 0.0, 1.0)))
     assert bent.max() < 20.0
     assert worst_pop(rotations[1:]).degrees < 5.0
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(("action", "facing"), [("open", 90.0), ("close", 90.0)])
+def test_fingers_and_thumb_are_on_the_lever_all_the_way_and_not_in_it(name: str, action: str, facing: float) -> None:
+    made = swung(name, action, BEFORE, facing, seed=3)
+    turns = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4) + 1
+    for k in turns[:: len(turns) // 5].tolist():
+        around = on_lever(made, k)
+        deepest = min(gap for gap, _ in around.values())
+        assert deepest > -0.002, (k, around)
+        assert around["thumb"][0] < 0.0035, (k, around)
+        on = [finger for finger, (gap, _) in around.items() if finger != "thumb" and gap < 0.003]
+        assert len(on) >= 3, (k, around)
+        sides = np.concatenate([touching for _, touching in around.values()])
+        assert (sides @ sides.T).min() < OPPOSITE, k
+
+
+def on_lever(made: Swung, k: int) -> dict[str, tuple[float, Array]]:
+    """By finger how far its skin is from the leaf, metres, and on which sides of its axis it touches (n, 3)."""
+    skin = Skin.read(WORKSPACE.humans.shape(made.name).glb, made.body.skeleton)
+    leaf = kind("door")
+    leaf = leaf[np.linalg.norm(leaf.mean(axis=1) - np.array([0.68, 0.0, 1.02]), axis=1) < 1.2]
+    found: dict[str, tuple[float, Array]] = {}
+    for finger in ("thumb", "index", "middle", "ring", "little"):
+        chosen = np.flatnonzero(np.isin(skin.link, [i for i in fingers("right") if f"right_{finger}" in LINKS[i]]))
+        points = made.leaf(k).inverse().apply(skin.posed(made.shown[k].rotations, made.shown[k].root, chosen))
+        faces = skin.faces[np.isin(skin.faces, chosen).all(axis=1)]
+        points = np.concatenate([points, points[np.searchsorted(chosen, faces)].mean(axis=1)])
+        apart = outside(points, leaf)
+        aside = (points[apart < 0.003] - np.array([0.68, -0.075, 1.02])) * np.array([0.0, 1.0, 1.0])
+        found[finger] = float(apart.min()), aside / np.linalg.norm(aside, axis=1, keepdims=True)
+    return found
 
 
 @pytest.mark.parametrize("busy", ["", "right"])
