@@ -195,7 +195,11 @@ def test_somebody_is_looked_at_wherever_they_go_and_nodded_to_there() -> None:
     [
         ("curtsy", {}, 'no gesture "curtsy"; there are: nod'),
         ("shrug", {"busy": ["left"]}, "the left hand holds something, and this takes both"),
-        ("wave", {"whom": (-2.0, 0.1)}, "mari is 17[0-9] degrees aside, behind the back; turn first: `do floor turn facing 17[0-9]`"),
+        (
+            "wave",
+            {"whom": (-2.0, 0.1)},
+            "mari is 17[0-9] degrees aside, behind the back; turn first: `do floor turn facing 17[0-9]`",
+        ),
     ],
 )
 def test_what_can_not_be_made_is_refused_in_a_sentence(which: str, given: dict[str, object], reason: str) -> None:
