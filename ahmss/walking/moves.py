@@ -19,8 +19,11 @@ __all__ = ["Feet", "Placed", "footsteps"]
 _OPEN = np.radians(75.0)  # how far a foot may land turned from the other
 _CLEAR = 0.09  # metres from the middle of one sole to that of the other: two feet's half widths
 _PASSED = 0.065  # the same in passing, when one of them is in the air
+_ACROSS = 0.05  # metres that a foot lands on its own side of the other: walks are turned off their clips' ways
 _FOLLOWS = 0.6  # of a foot's turn that the body has made when it lands; the rest with the other foot
 _WIDER = (1.0, 1.35, 1.7)  # how far apart feet stand in between, of as they stand at last
+_WIDEST = (*_WIDER, 2.1, 2.5)  # so that legs need not cross, unless one turns by more than
+_ROUND = np.radians(135.0)  # what is better done in a footstep more
 _BACK = (0.0, 0.05, -0.05)  # metres by which they stand behind or ahead of it
 _MOST = 6
 _TURNED = 0.35  # metres that a radian of turn in one step counts, where the foot that leads is chosen
@@ -103,7 +106,8 @@ def _sequences(
     feet: Feet, standing: tuple[Frame, Frame], body: Frame, goal: Frame, count: int, first: int
 ) -> Iterator[list[Placed]]:
     """Ways to do it in so many footsteps: those between stand wider, or further back."""
-    for wider in _WIDER if count > 2 else (1.0,):
+    widths = _WIDEST if abs(goal.heading - body.heading) < _ROUND else _WIDER
+    for wider in widths if count > 2 else (1.0,):
         for back in _BACK if count > 2 else (0.0,):
             headings = [standing[0].heading - feet.own[0].heading, standing[1].heading - feet.own[1].heading]
             placed: list[Placed] = []
@@ -131,10 +135,17 @@ def _clearance(feet: Feet, standing: tuple[Frame, Frame], heading: float, placed
         own, other = now[one.foot], now[1 - one.foot]
         relative = one.landing.heading - feet.own[one.foot].heading - (other.heading - feet.own[1 - one.foot].heading)
         worst = min(worst, feet.apart(one.landing, other) - _CLEAR, 0.2 * (_OPEN - abs(relative)))
+        worst = min(worst, _uncrossed(one, other) - _ACROSS)
         for between in _swing(own, one.landing, other, body, one.body):
             worst = min(worst, feet.apart(between, other) - _PASSED)
         now[one.foot], body = one.landing, one.body
     return float(worst)
+
+
+def _uncrossed(one: Placed, other: Frame) -> float:
+    """How far a foot lands to its own side of the other, metres; below 0 the legs are crossed."""
+    across = np.cos(one.body) * (one.landing.y - other.y) - np.sin(one.body) * (one.landing.x - other.x)
+    return float(across if one.foot == LEFT else -across)
 
 
 def _swing(own: Frame, landing: Frame, other: Frame, since: float, until: float) -> Iterator[Frame]:

@@ -16,7 +16,8 @@ _APART = 0.09  # metres from ankle to ankle across the way, where they pass; a s
 _WIDE = 0.12  # the same for a leg that is turned in, whose knee comes first
 _LONG = 0.22  # metres ahead or behind, where they do not pass each other yet
 _ALONG = 0.7  # cosine of how far from the way the foot that bears may be turned: else one turns on the spot
-_BEHIND = 0.08  # metres behind that foot, from where, and ahead of it, to where one must come to pass it
+_BEHIND = 0.08  # metres behind that foot, from where one must come to pass it
+_BESIDE = 0.04  # metres ahead of it, to where
 _LEAST = 0.2  # of a swing's bump: nearer to its ends a foot is not moved for what is needed there
 
 
@@ -37,7 +38,7 @@ def around(ankle: Array, u: Array, stands: tuple[Array, float], way: Array, sign
     off = ankle - stood
     along = off @ ahead
     faces = float(np.cos(heading) * ahead[0] + np.sin(heading) * ahead[1])
-    if faces < _ALONG or along[0] > -_BEHIND or along[-1] < _BEHIND:
+    if faces < _ALONG or along[0] > -_BEHIND or along[-1] < _BESIDE:
         return np.zeros_like(ankle)
     passing = np.clip(1.0 - (along / _LONG) ** 2, 0.0, 1.0)
     lack = ((_WIDE if turned_in else _APART) - off @ outward) * passing

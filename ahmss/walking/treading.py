@@ -32,7 +32,7 @@ _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is
 _LEVEL = np.radians(0.5)
 _BESIDE = 0.06  # metres between the middle lines of two feet
 _LATER, _MOST_LATER = 0.35, np.radians(50.0)  # of the turn of a start, what its second footstep makes
-_TURNS_OUT = 0.6  # of the swing that follows, in which the foot is turned as its way is
+_TURNS_OUT = 0.5  # of the swing that follows, in which the foot is turned as its way is
 
 
 class Seen:
@@ -233,15 +233,17 @@ class Tread:
         swings = ~bears
         for at, weight in ((lift, 1.0 - share), (land, share)):
             nominal[swings, :2] += (weight[:, None] * (exact[at] - ankle[at])[:, :2])[swings]
-        low, high = _moved(nominal, stances, carried, before), _moved(nominal, stances, carried, after)
+        small = sizes[np.where(bears, before, before + 1)]
+        low, high = (_moved(nominal, stances, carried, which, small) for which in (before, after))
         out = np.empty_like(ankle)
         out[:, :2] = (1.0 - share)[:, None] * low + share[:, None] * high
         out[:, 2] = level
         standing = rolled(stances.to[before], stances.to_heading[before], heading, tilted, soles)
         # A foot that rolls less than in the clip leaves and lands a little elsewhere: spread over the swing, too.
         spread = np.zeros_like(ankle)
-        for at, weight in ((lift, 1.0 - share), (land, share)):
-            spread += weight[:, None] * (standing - np.c_[low, level])[at]
+        for at, which, weight in ((lift, before, 1.0 - share), (land, after, share)):
+            there = np.c_[_moved(nominal[at], stances, carried, which, small), level[at]]
+            spread += weight[:, None] * (standing[at] - there)
             if self._aside is not None:
                 spread[:, :2] -= weight[:, None] * self._aside[frames[at]]
         out += spread
@@ -249,7 +251,14 @@ class Tread:
             swing = swings & (before == b)
             stands = self.other.stands(origin + int(lift[swing][0]))
             way, sign = stances.to[b + 1] - stances.to[b], 1.0 if self._foot else -1.0
-            out[swing, :2] += around(out[swing, :2], u[swing], stands, way, sign, turned_in=bool(stances.more[b]))
+            out[swing, :2] += around(
+                out[swing, :2],
+                u[swing],
+                stands,
+                way,
+                sign,
+                turned_in=bool(np.abs(stances.more[b : b + 2]).max() > 0.02),
+            )
         if self._aside is not None:
             out[:, :2] += self._aside[frames]
         out[bears] = standing[bears]
@@ -299,8 +308,11 @@ def _pivots(yaw: Array, pitch: Array) -> bool:
     return float(by[raised].sum()) > _PIVOTING and float(by[~raised].sum()) < _PIVOTING
 
 
-def _moved(nominal: Array, stances: _Stances, turn: Array, which: NDArray[np.intp]) -> Array:
-    """Places (F, 2) as the footstep `which` (F,) brings them from where it is in the clip to where it shall be."""
+def _moved(nominal: Array, stances: _Stances, turn: Array, which: NDArray[np.intp], size: Array) -> Array:
+    """Places (F, 2) as the footstep `which` (F,) brings them from where it is in the clip to where it shall be.
+
+    size: (F,) of how far off it they are in the clip. A swing that turns and goes nowhere would curl otherwise.
+    """
     cos, sin = np.cos(turn[which]), np.sin(turn[which])
-    d = nominal[:, :2] - stances.place[which]
+    d = size[:, None] * (nominal[:, :2] - stances.place[which])
     return stances.to[which] + np.stack([cos * d[:, 0] - sin * d[:, 1], sin * d[:, 0] + cos * d[:, 1]], axis=-1)

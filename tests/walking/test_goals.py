@@ -174,6 +174,22 @@ def test_at_the_borders_of_bins_and_patterns_one_arrives_and_stands(goal: Goal) 
         assert not check(walk, goal), check.__name__
 
 
+@pytest.mark.parametrize(
+    "goal",
+    [
+        Goal("aiko", 90.0, 0.85, -45.0, 0.0),  # two steps aside
+        Goal("aiko", 0.0, 0.62, 75.0, -165.0),  # turns so far that the first foot goes nowhere
+        Goal("aiko", -72.0, 1.37, 105.0, -135.0),  # ends beside the leg that bears
+        Goal("aiko", 180.0, 1.2, 75.0, 0.0),
+    ],
+    ids=str,
+)
+def test_legs_keep_apart_on_short_ways_aside(goal: Goal) -> None:
+    walk, _ = walked(goal)
+    for check in (legs_do_not_brush_each_other, feet_do_not_pass_through_each_other, nothing_pops):
+        assert not check(walk, goal), check.__name__
+
+
 def test_a_mirrored_goal_is_walked_to_as_in_a_mirror() -> None:
     for direction, facing, distance in ((40.0, 70.0, 3.0), (100.0, -50.0, 0.3), (120.0, 80.0, 0.8)):
         one, _ = m.walked(Goal("ken", 0.0, distance, direction, facing))

@@ -46,3 +46,14 @@ def test_no_foot_lands_on_the_other_nor_turned_far_from_it():
             assert FEET.apart(now[0], now[1]) > 0.085
             apart = now[LEFT].heading - 0.1 - (now[RIGHT].heading + 0.1)
             assert abs(np.degrees(apart)) < 76.0
+
+
+@pytest.mark.parametrize("way", [-60.0, -45.0, -30.0, 30.0, 60.0, 90.0])
+@pytest.mark.parametrize("turn", [0.0, 90.0, -90.0])
+def test_legs_do_not_cross_on_the_way_aside(way, turn):
+    goal = Frame(np.cos(np.radians(way)), np.sin(np.radians(way)), np.radians(turn))
+    now = list(FEET.own)
+    for one in footsteps(FEET, FEET.own, HERE, goal, 3):
+        now[one.foot] = one.landing
+        off = now[LEFT].place - now[RIGHT].place
+        assert np.cos(one.body) * off[1] - np.sin(one.body) * off[0] >= 0.05 - 1e-9
