@@ -11,13 +11,13 @@ import signal
 import socket
 import struct
 import sys
-import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
 import msgspec
 
+from ahmss.algorithm.silence import Silence
 from ahmss.algorithm.stream import Pipes
 from ahmss.errors import AlgorithmError
 
@@ -25,13 +25,18 @@ __all__ = ["GREETING", "Child", "Hired", "Request", "Spawned", "describe"]
 
 GREETING = struct.Struct("<i")  # from the pool: first the worker's process id, at its end its exit status
 _UNKNOWN = 256  # an exit status that nobody could tell
-_PATIENCE = 5.0  # seconds until a pool that does not answer is given up
+_PATIENCE = 5.0  # seconds until a pool that does not answer is given up, longer on a busy machine
 
 
 class Child(Protocol):
     """A process with three pipes."""
 
     pipes: Pipes
+
+    @property
+    def pid(self) -> int:
+        """Of the process; 0: not known yet."""
+        ...
 
     def poll(self) -> int | None:
         """None while it runs; then its exit code, or minus the signal that killed it. Reaps it and its group."""
@@ -87,6 +92,11 @@ class Spawned:
         pipes.close_ends()
         self._status: int | None = None
 
+    @property
+    def pid(self) -> int:
+        """As `Child.pid`."""
+        return self._pid
+
     def poll(self) -> int | None:
         """As `Child.poll`."""
         if self._status is None and os.waitid(os.P_PID, self._pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None:
@@ -126,8 +136,13 @@ class Hired:
         self._pid = 0
         self._pidfd = -1
         self._status: int | None = None
-        self._since = time.monotonic()
+        self._silence = Silence()
         self._pool = self._ask()
+
+    @property
+    def pid(self) -> int:
+        """As `Child.pid`."""
+        return self._own.pid if self._own is not None else self._pid
 
     def poll(self) -> int | None:
         """As `Child.poll`."""
@@ -137,7 +152,7 @@ class Hired:
             try:
                 data, descriptors, _, _ = socket.recv_fds(self._pool, GREETING.size, 1)
             except BlockingIOError:
-                if not self._pid and time.monotonic() - self._since > _PATIENCE:
+                if not self._pid and self._silence.lasts(0) > _PATIENCE:
                     self._replace(f"it did not answer within {_PATIENCE:g} s")
                 return self._status
             except OSError:

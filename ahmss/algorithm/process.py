@@ -16,6 +16,7 @@ import numpy as np
 from ahmss.algorithm.check import check_human, check_object
 from ahmss.algorithm.child import Child, Hired, describe
 from ahmss.algorithm.messages import HEADER, OBJECT, POSE, Kind, State, decode_ready, decode_state, encode, size
+from ahmss.algorithm.silence import Silence
 from ahmss.algorithm.stream import Inbound, Log, Outbound
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError, ProtocolError
@@ -28,7 +29,6 @@ _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the
 _LOG_EACH = 8  # times that it is tended, to one look at its log
 _LONGEST_LINE = 4096  # bytes of a text that are read
 _MOST_NOTES = 20  # that one process may tell
-_LATE = 0.05  # seconds of silence after which it may have died, its output held open by what it started
 
 
 class Phase(Enum):
@@ -64,7 +64,7 @@ Message = Answer | State | Note | Done
 
 
 class Deadlines(msgspec.Struct, frozen=True):
-    """How long a process may take, in seconds."""
+    """How long a process may take, in seconds; until it answers, without those in which it has no processor."""
 
     start: float = 10.0  # until its first word
     first: float = 5.0  # from that to its first pose, for which it may have much to read and to compute
@@ -114,8 +114,8 @@ class AlgorithmProcess:
         self._log = Log(child.pipes.error)
         self._inbox: deque[Message] = deque()
         self._notes: set[str] = set()
-        self._asked = time.monotonic()
-        self._silent: float | None = None  # when its output was seen to have ended
+        self._silence = Silence()
+        self._closing = False  # its output was seen to have ended
         self._escalate: float | None = None  # when the next, harder means to end it is due
         self._means: list[int] = [signal.SIGKILL, signal.SIGTERM]
         self._outbound.send(start)
@@ -148,7 +148,7 @@ class AlgorithmProcess:
             raise ValueError(f"{self.name} still owes frame {self.pending}")
         self.pending = int(_FRAME_NUMBER.unpack_from(frame, HEADER.size)[0])
         if self.phase is Phase.RUNNING:
-            self._asked = time.monotonic()
+            self._silence.begin()
         self._outbound.send(frame)
 
     @property
@@ -288,7 +288,7 @@ class AlgorithmProcess:
     def _greeted(self) -> None:
         """It has spoken: from here on each frame has its own deadline."""
         self.phase = Phase.RUNNING
-        self._asked = time.monotonic()
+        self._silence.begin()
         self._child.poll()
 
     def _done(self) -> None:
@@ -300,23 +300,28 @@ class AlgorithmProcess:
 
     def _watch(self) -> None:
         """Deadlines, and a process that has died or closed its output."""
-        now = time.monotonic()
         if self._inbound.over:
-            self._silent = now if self._silent is None else self._silent
+            if not self._closing:
+                self._closing = True
+                self._silence.begin()
             if self._frames and self.last == self._frames:
                 self._done()
-            elif not self._died() and now - self._silent > _END_PATIENCE:
+            elif not self._died() and self._lasts() > _END_PATIENCE:
                 self.fail("it closed its standard output before its motion was over")
         elif self.phase is Phase.STARTING:
-            if not self._died() and now - self._asked > self._deadlines.start:
+            if not self._died() and self._lasts() > self._deadlines.start:
                 self.fail(f"it did not answer within {self._deadlines.start:g} s of its start")
-        elif self.pending and (silence := now - self._asked) > _LATE and not self._died():
-            self._too_slow(silence)
+        elif self.pending and self._silence.due and not self._died():  # what it started may hold its output open
+            self._give_up_late()
 
-    def _too_slow(self, silence: float) -> None:
+    def _lasts(self) -> float:
+        """Seconds of its own that it has been silent for."""
+        return self._silence.lasts(self._child.pid)
+
+    def _give_up_late(self) -> None:
         """Give it up when its frame is overdue."""
         allowed = self._deadlines.frame if self.last else max(self._deadlines.first, self._deadlines.frame)
-        if silence > allowed:
+        if self._lasts() > allowed:
             self.fail(f"it gave no pose within {allowed:g} s")
 
     def _died(self) -> bool:

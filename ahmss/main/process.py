@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -28,7 +29,7 @@ from ahmss.world.keys import ClientKeys
 
 __all__ = ["MainProcess", "Report", "Setup"]
 
-_FAST_PATIENCE = 10.0  # seconds that `--fast` waits for a frame
+_FAST_PATIENCE = 10.0  # seconds after which `--fast` gives up who makes no frame, its processor free
 _LOCKSTEP_PATIENCE = 0.5  # seconds that lockstep with a clock does
 _SHARE = 0.5  # of a frame's time that real time waits for a frame
 _FORESEES = 60  # frames between two looks at whether there are new kinds of objects
@@ -124,7 +125,7 @@ class MainProcess:
         self.report = Report(setup.human)
         self._patience = _SHARE * self.pace.period
         if setup.lockstep:
-            self._patience = _FAST_PATIENCE + 1.0 if setup.fast else _LOCKSTEP_PATIENCE
+            self._patience = math.inf if setup.fast else _LOCKSTEP_PATIENCE  # `fast`: until it answers or is given up
         self.control.see(self.blending)
         self._connected = True
         self.port: HumanModelPort | None = None

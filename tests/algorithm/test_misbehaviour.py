@@ -11,6 +11,7 @@ from algorithm_rig import Entry, failure, frame, gone, object_frame, peer, play,
 
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.process import Answer, Deadlines, Note, Phase
+from ahmss.algorithm.silence import threads_of
 from ahmss.errors import AlgorithmError
 
 SENTENCES = {
@@ -18,6 +19,8 @@ SENTENCES = {
     'its log ends with "the reason is in this line"',
     "exits": "exits at frame 30: it ended with exit code 7 before its motion was over",
     "hangs": "hangs at frame 3: it gave no pose within 0.5 s",
+    "loops": "loops at frame 3: it gave no pose within 0.5 s",
+    "stops": "stops at frame 3: it gave no pose within 0.5 s",
     "writes_garbage": r"writes_garbage at frame 3: it sent a message that would be 50462976 bytes long \(does it print",
     "prints": r"prints at frame 3: it sent a message that would be 1819043176 bytes long \(does it print",
     "wrong_size": "wrong_size at frame 3: its POSE is 2072 bytes long, not 2080",
@@ -78,6 +81,24 @@ def test_a_slow_start_is_waited_for(launcher, make_start):
     assert process.phase is Phase.STARTING
     assert launcher.wait([process], 20.0)
     assert [m.k for m in process.receive()] == [1]
+
+
+@pytest.mark.skipif(threads_of(os.getpid()) is None, reason="this system does not say who waits")
+def test_one_that_gets_no_processor_is_waited_for_and_one_that_hangs_beside_it_is_not(launcher, make_start):
+    starved = launcher.start(
+        peer("is_starved"), make_start(frames=4)
+    )  # at frame 3 for far longer than it may be silent
+    hangs = launcher.start(peer("hangs"), make_start(frames=4))
+    for process in (starved, hangs):
+        assert [m.k for m in play(launcher, process, 2)] == [1, 2]
+        process.ask(frame(3))
+    launcher.wait([hangs], 30.0)
+    with pytest.raises(AlgorithmError, match=r"hangs at frame 3: it gave no pose within 0\.5 s"):
+        hangs.receive()
+    assert starved.receive() == []
+    assert starved.pending == 3
+    assert launcher.wait([starved], 30.0)
+    assert [m.k for m in starved.receive()] == [3]
 
 
 def test_notes_are_told_once_each_and_fail_nothing(launcher, make_start):

@@ -48,6 +48,18 @@ def forever():
         time.sleep(60)
 
 
+def compute(seconds):
+    """So much of a processor's time, as one of two that want the same processor, the other with 70 times its weight."""
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    if not os.fork():
+        while True:
+            pass
+    os.nice(19)
+    until = time.process_time() + seconds
+    while time.process_time() < until:
+        pass
+
+
 def misbehave(how, k, frame):
     """True where it has answered in its own way."""
     if how == "crashes" and k == 30:
@@ -57,6 +69,14 @@ def misbehave(how, k, frame):
         sys.exit(7)
     elif how == "hangs" and k == 3:
         forever()
+    elif how == "loops" and k == 3:
+        while True:
+            pass
+    elif how == "stops" and k == 3:
+        os.kill(os.getpid(), signal.SIGSTOP)
+    elif how == "is_starved" and k == 3:
+        compute(0.03)
+        return False
     elif how == "writes_garbage" and k == 3:
         os.write(1, bytes(range(256)) * 16)
     elif how == "prints" and k == 3:
