@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.messages import FRAME_OBJECT, HEADER, Kind, State, size
+from ahmss.algorithm.messages import FRAME_HUMAN, HEADER, Kind, State, size
 from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
@@ -17,7 +18,7 @@ from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
 from ahmss.main.company import met, numbers, rows_of_sites
 from ahmss.main.database import Actor, Database, Order
-from ahmss.main.motion import Motion, Mover
+from ahmss.main.motion import Motion, Mover, Shown
 from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.people import People
 from ahmss.main.surroundings import NOTHING, Surroundings, among, known, latest
@@ -25,7 +26,6 @@ from ahmss.world.link import Pending
 
 __all__ = ["Control"]
 
-_HUMAN = 190  # float64 of a FRAME without an object
 _SEEN = 6  # frames after which it is seen who was first
 _RELUCTANT = 5.0  # seconds that a hand which has closed on what it is given waits for the other to let go
 
@@ -51,7 +51,7 @@ class Control:
         self._surroundings, self._people = Surroundings(), People()
         self._passing: list[tuple[Mover, Pending]] = []  # what was on its way when its motion was given up
         self._number = 0
-        self._block = np.zeros(size(FRAME_OBJECT))
+        self._human = np.zeros(size(FRAME_HUMAN))
         self._moved = self._changes = NOTHING
         self.failures = 0
         self.held_frames = 0
@@ -156,7 +156,7 @@ class Control:
                 motion.missed = moved
             elif not motion.asked_all:
                 motion.k, motion.missed = motion.k + 1, NOTHING
-                process.ask(self._frame(motion.k, None, moved))
+                process.ask(self._frame(self._human, motion.k, None, moved))
 
     def collect_humans(self, patience: float) -> None:
         """Take the frames that the human algorithms have made, waiting at most `patience` seconds for the last."""
@@ -168,50 +168,61 @@ class Control:
                 self._collect_human(motion)
 
     def ask_objects(self, blending: Blending) -> None:
-        """Show the human's new frame to the object algorithms."""
+        """Show the human's new frame to the object algorithms; one that is late is shown it later, none left out."""
         self.see(blending)
+        closing = [motion.mover for motion in self._motions if motion.closing]
         for mover in list(self._movers.values()):
             if mover.process is not None and mover.process.pending:  # an answer to an older frame, if it has come
-                self._collect_object(mover, blending.grips, late=True)
-            process = mover.process
-            if process is None or not process.active:
-                continue
-            moved = latest(mover.missed, among(self._changes, mover.knows))
-            if process.pending:
-                mover.missed = moved
-            else:
-                mover.k, mover.missed = mover.k + 1, NOTHING
-                process.ask(self._frame(mover.k, mover.pose, moved))
+                self._collect_object(mover)
+            if mover.watches and mover not in closing:
+                moved = among(self._changes, mover.knows)
+                mover.show(Shown(self._human.copy(), blending.grips, moved))
+            self._show_next(mover)
+
+    def _show_next(self, mover: Mover) -> None:
+        """Ask an object algorithm for the next of the frames that wait for it."""
+        process = mover.process
+        if process is not None and process.active and mover.frames and not process.pending:
+            frame = mover.next()
+            process.ask(self._frame(frame.human, mover.k, mover.pose, frame.moved))
 
     def collect_objects(self, blending: Blending, patience: float) -> Array | None:
         """Take where the objects are now; rows (m, 8) of those that moved, for the world."""
         if not self._movers:
             self._moved = self._moved[:0]
             return None
-        asked = [mover.process for mover in self._movers.values() if mover.process is not None]
-        if asked:
-            self._launcher.wait(asked, patience)
-        for mover in list(self._movers.values()):
-            self._collect_object(mover, blending.grips, late=False)
-        rows = [[mover.id, *mover.pose] for mover in self._movers.values() if mover.granted and mover.fresh]
+        until = time.monotonic() + patience
+        goes_on = True
+        while goes_on:
+            asked = [mover.process for mover in self._movers.values() if mover.process is not None]
+            self._launcher.wait(asked, until - time.monotonic())
+            for mover in self._movers.values():
+                self._collect_object(mover)
+            goes_on = any(mover.behind for mover in self._movers.values()) and time.monotonic() < until
+        rows: list[list[float]] = []
         for mover in self._movers.values():
+            mover.stay(blending.grips)
             if mover.granted and mover.fresh:
+                rows.append([mover.id, *mover.pose])
                 self._communication.put(mover.name, mover.pose)
                 mover.fresh = False
         self._moved = np.array(rows).reshape(-1, 8)
         return self._moved if rows else None
 
     def end_finished(self) -> None:
-        """Let go of what ended with this frame."""
+        """Let go of what ended with this frame, once the object's algorithm has seen all of it."""
+        for motion in self._motions:
+            motion.closing = motion.over and motion.lets_go and motion.mover is not None and motion.mover.behind
         self._end_accompanying()
-        for motion in [motion for motion in self._motions if motion.over]:
+        for motion in [motion for motion in self._motions if motion.over and not motion.closing]:
             self._end(motion)
         self._launcher.tend()
 
     def _end_accompanying(self) -> None:
         """What lasts as long as the others is over where none of them goes on, but such as wait for it."""
         for motion in self._motions:
-            if not (motion.over or motion.accompanies or motion.follows in self._motions):
+            ends = motion.over and not motion.closing
+            if not (ends or motion.accompanies or motion.follows in self._motions):
                 return
         for motion in self._motions:
             motion.over = motion.over or motion.accompanies
@@ -240,7 +251,7 @@ class Control:
         motion.knows = known({*target, *numbers(start), *(record.id for record in start.world)})
         motion.company = met(start)
         motion.k = 1
-        motion.process.ask(self._frame(1, None, NOTHING))
+        motion.process.ask(self._frame(self._human, 1, None, NOTHING))
 
     def _waits(self, motion: Motion) -> bool:
         """Whether what it is about is another's now, and it waits until it is let go.
@@ -290,7 +301,7 @@ class Control:
         number = self._communication.world.objects[order.object].id
         hand = order.hand if hold == "take" else ""
         claim = self._communication.claim(order.object, hand) if hold != RECEIVE else None
-        mover = Mover(order, number, self._communication.pose(order.object), claim)
+        mover = Mover(order, number, self._communication.pose(order.object), claim, self._actor())
         self._movers[order.object] = mover
         return mover
 
@@ -305,8 +316,9 @@ class Control:
                 claim.result()
                 entry = mover.order.object_algorithm
                 assert entry is not None
+                actor = mover.actor if mover.frames else self._actor()
                 start = self._database.start(
-                    mover.order, "object", self._communication, self._actor(), self._next_seed(), self._rate
+                    mover.order, "object", self._communication, actor, self._next_seed(), self._rate
                 )
                 mover.granted = True
                 mover.process = self._launcher.start(entry, start)
@@ -414,7 +426,7 @@ class Control:
 
     def see(self, blending: Blending) -> None:
         """Take in the human's pose and what moved, for the frames that are asked for next."""
-        block = self._block
+        block = self._human
         block[1:4] = blending.root
         block[4:176] = blending.rotations.reshape(172)
         block[176:190] = blending.grips.reshape(14)
@@ -441,15 +453,12 @@ class Control:
         entries = [mover.order.object_algorithm for mover in self._movers.values() if mover.process is not None]
         return any(entry is not None and entry.humans for entry in entries)
 
-    def _frame(self, k: int, pose: Array | None, moved: Array) -> bytes:
-        """A FRAME message of the human as it was seen last, and of what moved, rows (n, 8)."""
-        block = self._block
-        block[0] = k
-        data = block[:_HUMAN]
+    def _frame(self, human: Array, k: int, pose: Array | None, moved: Array) -> bytes:
+        """A FRAME message: the human (190,), an object's pose (7,), and what moved, rows (n, 8)."""
+        human[0] = k
+        payload = human.tobytes()
         if pose is not None:
-            block[_HUMAN:] = pose
-            data = block
-        payload = data.tobytes()
+            payload += pose.tobytes()
         if len(moved):
             payload += moved.tobytes()
         return HEADER.pack(len(payload), Kind.FRAME) + payload
@@ -483,28 +492,21 @@ class Control:
             if motion.given is not None:
                 motion.given.hold()
 
-    def _collect_object(self, mover: Mover, grips: Array, *, late: bool) -> None:
-        """Take what an object algorithm says; what has no answer stays, or goes with the hand that has it."""
-        pose: Array | None = None
-        process = mover.process
-        if process is not None:
-            try:
-                for message in process.receive():
-                    if isinstance(message, Answer):
-                        pose = message.row[1:8]
-                    elif isinstance(message, State):
-                        self._change_states(message)
-                    elif isinstance(message, Note):
-                        self._note(f"{mover.order.title}: {message.text}")
-            except AhmssError as error:
-                self._lose(mover, str(error))
-        if late:
-            if pose is not None and not mover.caught:
-                mover.pose, mover.fresh = pose, True
-        elif pose is not None:
-            mover.put(pose, grips)
-        else:
-            mover.stay(grips)
+    def _collect_object(self, mover: Mover) -> None:
+        """Take what an object algorithm says, and show it the next frame that waits."""
+        if mover.process is None:
+            return
+        try:
+            for message in mover.process.receive():
+                if isinstance(message, Answer):
+                    mover.put(message.row[1:8])
+                elif isinstance(message, State):
+                    self._change_states(message)
+                elif isinstance(message, Note):
+                    self._note(f"{mover.order.title}: {message.text}")
+        except AhmssError as error:
+            self._lose(mover, str(error))
+        self._show_next(mover)
 
     def _change_states(self, state: State) -> None:
         """An algorithm has changed the states of an object."""
@@ -522,9 +524,8 @@ class Control:
         self._motions.remove(motion)
         if motion.process is not None:
             motion.process.stop()
-        mover = motion.mover
-        if mover is not None and (motion.order.affordance.hold == "release" or not mover.takes):
-            self._release(mover)
+        if motion.mover is not None and motion.lets_go:
+            self._release(motion.mover)
 
     def _fail(self, motion: Motion, reason: str) -> None:
         """A motion can't go on: the body keeps what it alone drove, the others go on."""
@@ -553,6 +554,7 @@ class Control:
         """An object algorithm has failed: what is in the hand stays fixed to it, anything else stays where it is."""
         self.failures += 1
         mover.process = None
+        mover.frames.clear()
         caught = mover.caught or (mover.takes and not any(motion.mover is mover for motion in self._motions))
         end = "stays fixed to the hand until it is released" if caught else "stays where it is"
         self._say(f"{mover.order.title}: {reason}; {mover.name} {end}")
@@ -562,6 +564,7 @@ class Control:
         if mover.process is not None:
             mover.process.stop()
             mover.process = None
+        mover.frames.clear()
         mover.over = True
 
     def _release(self, mover: Mover) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import deque
+from typing import NamedTuple
+
 import numpy as np
 
 from ahmss.algorithm.process import AlgorithmProcess
@@ -9,19 +12,28 @@ from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.main.blending import Contribution
-from ahmss.main.database import Order
+from ahmss.main.database import Actor, Order
 from ahmss.main.passing import GIVE, RECEIVE
-from ahmss.main.surroundings import NOTHING, known
+from ahmss.main.surroundings import NOTHING, known, latest
 from ahmss.world.link import Pending
 
-__all__ = ["Motion", "Mover"]
+__all__ = ["Motion", "Mover", "Shown"]
 
 _MOVED = 1e-3  # metres from which on an object counts as moved
+_MOST = 600  # frames that wait to be shown to an algorithm that is late
 _SIDES = ("right", "left")
 _LEGS = [f"{side}_{link}" for side in _SIDES for link in ("upper_leg", "lower_leg", "foot")]
 _BODY = np.array(
     [*(176 + INDEX[name] for name in ("hips", *_LEGS)), 219, 243, 251]
 )  # importances, foot targets' weights
+
+
+class Shown(NamedTuple):
+    """What an object algorithm is shown of a frame: the human (190,), the palms (2, 7), what moved, rows (n, 8)."""
+
+    human: Array
+    grips: Array
+    moved: Array
 
 
 class Mover:
@@ -31,27 +43,43 @@ class Mover:
         name, id: of the object. pose: (7,) where it is now.
         caught: it is in the hand and goes where the hand goes, whatever its algorithm does.
         process: its algorithm, once the claim is granted; None before, and after the algorithm has failed.
-        claim: the request under way.
-        knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
+        claim: the request under way. actor: the human before the first of `frames`.
+        knows: ids of what its algorithm is told of when it moves.
+        frames: those that its algorithm is still to be shown, while it is late with another or waits for its claim.
         over: its algorithm was stopped, it rests where it is. fresh: its pose differs from what the world was told.
         given: it comes from another hand, or has come back from it.
     """
 
-    def __init__(self, order: Order, number: int, pose: Array, claim: Pending | None) -> None:
-        self.order = order
+    def __init__(self, order: Order, number: int, pose: Array, claim: Pending | None, actor: Actor) -> None:
+        self.order, self.actor = order, actor
         self.name, self.id = order.object, number
         self.pose = pose.copy()
         self.claim = claim
         self.granted = False
         self.process: AlgorithmProcess | None = None
-        self.knows, self.missed = known(()), NOTHING
+        self.knows = known(())
+        self.frames: deque[Shown] = deque()
         self.k = 0
         self.over = False
         self.fresh = False
         self.given = False
         self._start = pose[:3].copy()
         self._hand = _SIDES.index(order.hand) if order.hand in _SIDES else -1
-        self._grips: Array | None = None
+        self._grips: Array | None = None  # for which its pose holds
+        self._asked: Array | None = None  # those of the frame that its algorithm works at
+
+    @property
+    def behind(self) -> bool:
+        """Whether its algorithm has still to answer what it was shown, or is to be shown."""
+        process = self.process
+        return process is not None and process.active and bool(process.pending or self.frames)
+
+    @property
+    def watches(self) -> bool:
+        """Whether its algorithm is to see what the human does now; it will, where its claim is still to be granted."""
+        if self.process is None:
+            return self.claim is not None and not self.given
+        return self.process.active
 
     @property
     def takes(self) -> bool:
@@ -70,13 +98,30 @@ class Mover:
             return self.granted
         return self.takes and bool(np.abs(self.pose[:3] - self._start).max() > _MOVED)
 
-    def put(self, pose: Array, grips: Array) -> None:
-        """Its algorithm has put it somewhere while the palms were at `grips` (2, 7)."""
+    def show(self, frame: Shown) -> None:
+        """A new frame of the human, to be shown when its algorithm has answered those before, for a part is led there.
+
+        What is caught goes with the hand in between; of that only the newest frame is wanted.
+        """
+        if self.frames and (self.caught or len(self.frames) >= _MOST):
+            frame = frame._replace(moved=latest(self.frames.pop().moved, frame.moved))
+        self.frames.append(frame)
+
+    def next(self) -> Shown:
+        """The frame that its algorithm is shown now."""
+        frame = self.frames.popleft()
+        self.k, self._asked = self.k + 1, frame.grips
+        return frame
+
+    def put(self, pose: Array) -> None:
+        """Its algorithm has put it somewhere at the frame that it was shown last."""
         self.fresh = self.fresh or bool((pose != self.pose).any())
-        self.pose, self._grips = pose, grips
+        self.pose, self._grips = pose, self._asked
 
     def stay(self, grips: Array) -> None:
-        """Its algorithm has not answered: what is caught keeps its place in the hand, anything else its place."""
+        """The palms are at `grips` (2, 7): without an answer to that, what is caught keeps its place in the hand."""
+        if self._grips is grips:
+            return
         if self.caught and self._grips is not None and not self.over:
             self.pose = _carry(self.pose, self._grips[self._side()], grips[self._side()])
             self.fresh = True
@@ -107,7 +152,8 @@ class Motion:
         passes: the answer awaited while what is in the hand changes hands, or how many frames one has waited for it.
         company: the humans that it is about.
         carried: another motion carries the body, and this one's hips and legs do not count.
-        k: the frame that was asked for last. over: it ends with this frame. held: how many frames came too late.
+        k: the frame that was asked for last. over: it ends with this frame.
+        closing: it would be over, but the algorithm of what it moves is late. held: how many frames came too late.
         waited: for how many frames another has had what it is about.
     """
 
@@ -122,7 +168,7 @@ class Motion:
         self.passes: Pending | int | None = None
         self.k = 0
         self.carried = False
-        self.over = False
+        self.over = self.closing = False
         self.failed = False
         self.held = self.waited = 0
 
@@ -135,6 +181,11 @@ class Motion:
     def accompanies(self) -> bool:
         """Whether it lasts as long as the others that are made with it."""
         return self.order.human_algorithm.accompanies and not self.order.frames
+
+    @property
+    def lets_go(self) -> bool:
+        """Whether what it moves is free when it is over."""
+        return self.mover is not None and (self.order.affordance.hold == "release" or not self.mover.takes)
 
     @property
     def last(self) -> int:
