@@ -67,12 +67,9 @@ class Operator:
     done: int = 0
     yielded: int = 0  # what somebody else had
     wrong: list[str] = field(default_factory=list[str])
-    starved: int = 0  # algorithms that the machine gave no time for a second
     left: dict[str, dict[str, StateValue]] = field(default_factory=dict[str, dict[str, StateValue]])
-    strayed: list[str] = field(default_factory=list[str])  # ended otherwise than was asked, with frames that came late
     off: list[float] = field(default_factory=list[float])  # between the level wanted and the one that it came to
     frames: list[tuple[float, int, int, int]] = field(default_factory=list[tuple[float, int, int, int]])
-    before: int = 0  # frames late or held before the action
     memory: list[float] = field(default_factory=list[float])
 
     @property
@@ -103,13 +100,13 @@ class Operator:
                         self.off.append(abs(float(self.left[self.lever]["level"]) - level))
                     before = client.state(self.button)["position"]
                     if self.alone(client, self.button, "press", {}) and self.left[self.button]["position"] == before:
-                        self.stray(client, f"{self.name} {self.button} press: it is {before} as before")
+                        self.wrong.append(f"{self.name} {self.button} press: it is {before} as before")
                     self.act(client, self.shared, "slide", {"level": round(choose.uniform(0.1, 0.9), 2)})
                     position = choose.choice(_POSITIONS)
                     if self.alone(client, self.switch, "turn", {"position": position}):
                         found = self.left[self.switch]["position"]
                         if found != position:
-                            self.stray(client, f"{self.name} {self.switch} turn: it is {found}, not {position}")
+                            self.wrong.append(f"{self.name} {self.switch} turn: it is {found}, not {position}")
                     self.act(client, f"gauge_{self.panel}", "check", {})
                 self.look(client)
         except NoAnswer as error:
@@ -121,15 +118,8 @@ class Operator:
         self.frames.append((time.monotonic(), me.frame, me.late, me.held))
         self.memory.append(memory_mb(self.process.pid))
 
-    def stray(self, client: Client, what: str) -> None:
-        """It is wrong where every frame was in time; what is shown to an object's algorithm too late it never sees."""
-        me = client.me()
-        (self.strayed if me.late + me.held > self.before else self.wrong).append(what)
-
     def alone(self, client: Client, thing: str, action: str, parameters: dict[str, str | float]) -> bool:
         """Do it with what nobody else touches, and remember how it was left."""
-        me = client.me()
-        self.before = me.late + me.held
         done = self.act(client, thing, action, parameters)
         self.left[thing] = client.state(thing)
         return done
@@ -141,8 +131,6 @@ class Operator:
         except (PortRefused, ActionFailed) as error:
             if re.search(r"holds it; wait|is held by|waited", str(error)):
                 self.yielded += 1
-            elif "it gave no pose within" in str(error):
-                self.starved += 1
             else:
                 self.wrong.append(f"{self.name} {thing} {action}: {error}")
             return False

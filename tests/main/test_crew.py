@@ -17,7 +17,6 @@ from tests.main.conftest import ROOT
 from tests.main.crew import Crew, Operator, cpu_s, memory_mb
 
 SECONDS = float(os.environ.get("AHMSS_CREW_S", "180"))
-TRIES = 4  # a busy machine may give an algorithm no time
 GROWTH = 12.0  # MB from the first third of the time to the end
 
 
@@ -30,7 +29,7 @@ def told(one: Operator) -> str:
     (began, first, late, held), (ended, last, later, more) = one.frames[0], one.frames[-1]
     frames, most = last - first, max(one.off, default=0.0)
     return (
-        f"{one.name}: {one.done} done, {one.yielded} left to others, {one.starved} starved, {len(one.strayed)} astray; "
+        f"{one.name}: {one.done} done, {one.yielded} left to others; "
         f"{frames / (ended - began):.1f} frames/s, {later - late} late and {more - held} held of {frames}; "
         f"{one.memory[0]:.1f} to {one.memory[-1]:.1f} MB, {cpu_s(one.process.pid):.0f} s of processor time; "
         f"levers off by {most:.3f} at the most"
@@ -73,7 +72,7 @@ def test_ten_work_and_one_is_killed(tmp_path: Path) -> None:
         assert neighbour.panel == victim.panel
         with Client(neighbour.port, timeout=30.0) as client:
             for thing, level in ((victim.shared, 0.5), (victim.lever, 0.25)):
-                assert any(neighbour.act(client, thing, "slide", {"level": level}) for _ in range(TRIES)), thing
+                assert neighbour.act(client, thing, "slide", {"level": level}), neighbour.wrong
         assert neighbour.wrong == []
         assert states(crew, victim.lever)["level"] == pytest.approx(0.25, abs=0.03)
         assert states(crew, f"gauge_{victim.panel}")["value"] == pytest.approx(0.5, abs=0.03)
