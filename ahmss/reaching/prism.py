@@ -19,6 +19,7 @@ __all__ = ["Prism", "clearance", "in_the_way", "over_hand"]
 
 _NEAR = 1.5  # metres from a human's middle beyond which nothing is in a hand's way
 _UNDER = 0.15  # metres: how far under a thing's edge a hand comes out again sideways
+_TINY = 1e-9  # metres
 _RISES, _LID = 0.04, 0.04  # metres: by which a hand may rise under it; how thick what is over it is at least
 
 
@@ -46,6 +47,22 @@ class Prism:
         upright = np.maximum(flat[:, 2] - self.high, self.low - flat[:, 2])
         both = np.hypot(np.maximum(level, 0.0), np.maximum(upright, 0.0))
         return np.where((level < 0.0) & (upright < 0.0), np.maximum(level, upright), both).reshape(points.shape[:-1])
+
+    def way_out(self, point: Array) -> Array:
+        """The unit vector (3,) along which a point (3,) comes away from it soonest, or is away from it already."""
+        made, place = self._made, shapely.points(point[:2])
+        line = shapely.get_coordinates(shapely.shortest_line(made.boundary, place))
+        off = line[1] - line[0]
+        inside = bool(shapely.contains(made.shape, place))
+        level = float(np.hypot(*off)) * (-1.0 if inside else 1.0)
+        upright = max(float(point[2]) - self.high, self.low - float(point[2]))
+        up = np.array([0.0, 0.0, 1.0 if point[2] - self.high > self.low - point[2] else -1.0])
+        aside = np.array([*off, 0.0]) / (level if abs(level) > _TINY else _TINY)
+        both = max(level, 0.0) * aside + max(upright, 0.0) * up
+        length = float(np.linalg.norm(both))
+        if length > _TINY:
+            return both / length
+        return aside if level > upright else up
 
     def at_least(self, points: Array) -> Array:
         """The distance (n) of points (n, 3) from the upright box around it, which it is away by at least; 0 within."""

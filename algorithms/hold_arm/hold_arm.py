@@ -1,7 +1,8 @@
 """Keeping the arm's posture: shoulder, elbow and wrist stay at their angles (Ichiguchi 2000, 5.3.4).
 
 For a hand that carries something while the body does something else. What shall not be spilled is kept level: the wrist
-gives way as far as it goes, as a person's does who carries a full cup.
+gives way as far as it goes, as a person's does who carries a full cup. Where the hand would be in a thing it goes
+aside.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, importance_of, run
+from ahmss.algorithm.giving_way import GivingWay
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS
@@ -21,6 +23,7 @@ from ahmss.motion.easing import minimum_jerk
 ENDLESS = 60  # frames that are given at a time to who does not say how many
 MOST, SOFT = np.radians(35.0), np.radians(10.0)  # that the wrist gives way, and the last part of it
 LEVELLED_IN = 0.7  # seconds
+CARES = 20.0  # times as much an arm is cared for that is aside: of a walk's, which hangs, even a little is much
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -29,8 +32,8 @@ def hold_arm(task: HumanTask) -> Iterator[Array]:
     side = task.hand or "right"
     share = task.parameter("importance", 1.0)
     held = {link: share for link in LINKS if link.startswith(f"{side}_") and not link.endswith(("leg", "foot"))}
-    if task.parameter("level", False) and task.object is not None:
-        yield from _level(task, side, importance_of(held))
+    if task.object is not None:
+        yield from _carrying(task, side, importance_of(held))
         return
     length = task.length or ENDLESS
     rotations = np.repeat(task.start.rotations[None], length, axis=0)
@@ -41,22 +44,43 @@ def hold_arm(task: HumanTask) -> Iterator[Array]:
         yield rows
 
 
-def _level(task: HumanTask, side: str, importance: Array) -> Iterator[Array]:
-    """Frames (1, 260) in which the wrist turns what is in the hand upright, wherever the forearm points."""
-    assert task.object is not None
-    forearm, hand, begun = INDEX[f"{side}_lower_arm"], INDEX[f"{side}_hand"], task.start
-    _, world = forward(begun.rotations, begun.root, task.human.offsets)
-    upright = rotate(conjugate(world[hand]), rotate(task.object.rotation, UP))  # the object's z, in the hand
+def _carrying(task: HumanTask, side: str, importance: Array) -> Iterator[Array]:
+    """Frames (1, 260) of a hand that is out of things, what is in it upright if it is to be level."""
+    arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
+    giving_way, begun = GivingWay(task, side), task.start
+    level = _Level(task, side) if task.parameter("level", False) else None
     for k in itertools.count(1) if not task.length else range(1, task.length + 1):
-        present = task.present
-        _, world = forward(present.rotations, present.root, task.human.offsets)
-        held = multiply(world[forearm], begun.rotations[hand])
-        wanted = to_rotation_vector(between(rotate(held, upright), UP))
-        share = float(minimum_jerk(np.array(k / (LEVELLED_IN * task.rate))))
+        rotations = task.present.rotations.copy()
+        rotations[arm] = begun.rotations[arm]
+        arms = giving_way.over(rotations, task.present.root).copy()
+        if level is not None:
+            arms[-1] = level.hand(k, arms[-1])
         rotations = begun.rotations.copy()
+        rotations[arm] = arms
+        cares = importance.copy()
+        cares[arm] *= 1.0 + CARES * giving_way.share
+        yield task.block(rotations[None], begun.root[None], cares)
+
+
+class _Level:
+    """How a hand is turned so that what is in it is upright, wherever the forearm points."""
+
+    def __init__(self, task: HumanTask, side: str) -> None:
+        assert task.object is not None
+        self._task, self._forearm = task, INDEX[f"{side}_lower_arm"]
+        _, world = forward(task.start.rotations, task.start.root, task.human.offsets)
+        hand = world[INDEX[f"{side}_hand"]]
+        self._upright = rotate(conjugate(hand), rotate(task.object.rotation, UP))  # what is held's z, in the hand
+
+    def hand(self, k: int, hand: Array) -> Array:
+        """The rotation (4,) against the forearm in frame k of a hand that would be turned so (4,)."""
+        present = self._task.present
+        _, world = forward(present.rotations, present.root, self._task.human.offsets)
+        held = multiply(world[self._forearm], hand)
+        wanted = to_rotation_vector(between(rotate(held, self._upright), UP))
+        share = float(minimum_jerk(np.array(k / (LEVELLED_IN * self._task.rate))))
         turn = from_rotation_vector(share * _softened(wanted))
-        rotations[hand] = multiply(conjugate(world[forearm]), multiply(turn, held))
-        yield task.block(rotations[None], begun.root[None], importance)
+        return multiply(conjugate(world[self._forearm]), multiply(turn, held))
 
 
 def _softened(turn: Array) -> Array:

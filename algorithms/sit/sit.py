@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.stepping import Stance, ground_of, stepped, walk_library
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
@@ -22,6 +23,9 @@ from ahmss.body.quaternion import align, conjugate, from_axis_angle, from_matrix
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet, plant
+from ahmss.reaching.aside import kept_aside
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import skin_of
 from ahmss.walking.goals import Goal, facing_of
 from ahmss.walking.library import BODY
 
@@ -108,6 +112,10 @@ def _rows(task: HumanTask, move: Move, begun: Stance, time: Array) -> Array:
     hands = targets.copy()
     hands[:, :2] = _hands(task, move, begun, time, rotations, root)
     rotations = solve(task.human, rotations, root, hands)
+    moved = _out_of_things(task, rotations, root)
+    if moved.any():
+        hands[:, :2, :3] += moved
+        rotations = solve(task.human, rotations, root, hands)
     for row, side in enumerate(SIDES):  # what is held goes where it goes, whatever else is made
         if side in task.busy:
             targets[:, row] = hands[:, row]
@@ -162,6 +170,17 @@ def _hands(task: HumanTask, move: Move, begun: Stance, time: Array, rotations: A
         out[:, row, :3] = hung + share[:, None] * (rest - hung)
         out[:, row, 3:7] = slerp(hangs[row, 3:], palm, share)
     return out
+
+
+def _out_of_things(task: HumanTask, rotations: Array, root: Array) -> Array:
+    """By how much (n, 2, 3) hands that hold something go aside for what stands about in poses (n, 43, 4), (n, 3)."""
+    moved = np.zeros((len(root), len(SIDES), 3))
+    prisms = [prism for prism in prisms_of(task) if not prism.sought and not prism.over(root).any()]
+    for row, side in enumerate(SIDES):
+        if side in task.busy:
+            points, radii = skin_of(Reacher.of(task.human, side), rotations, root)
+            moved[:, row] = kept_aside(prisms, points, radii)
+    return moved
 
 
 def _clear(move: Move, palms: Array, time: Array) -> Array:

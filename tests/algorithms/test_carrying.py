@@ -10,12 +10,16 @@ import numpy as np
 from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.task import HumanTask
 from ahmss.algorithm.tucking import Tucking
-from ahmss.body.inverse import grips
+from ahmss.body.inverse import grips, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, to_rotation_vector
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.prism import clearance
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import skin_of
 
-from .reached import outlined
+from .reached import outlined, prisms
 from .scene import CUP, Body, frame_of, program, record
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -72,3 +76,52 @@ def test_a_hand_that_hangs_in_a_counter_comes_up_and_the_other_does_not() -> Non
 def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_alone() -> None:
     for at in (palms(walked(np.array([2.0, 1.2, 0.0]))), palms(walked(np.array([2.86, 0.25, 0.0]), "right"))):
         np.testing.assert_allclose(at[-1], at[0], atol=1e-9)
+
+
+def carried(leans: float, *, beside: bool) -> tuple[Body, list[np.ndarray], list[np.ndarray]]:
+    """How arm (3, 4) and importance (44,) go while a cup is carried by one who leans so far, radians, at the sink."""
+    body = Body(x=2.8 if beside else 1.5, y=0.25, facing=0.0)
+    reacher = Reacher.of(body.skeleton, "left")
+    targets = np.zeros((5, 8))
+    ahead = np.array([0.36, 0.1, 1.0 - body.root[2]])
+    palm = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # to the right, the thumb up
+    targets[1, :3], targets[1, 3:7], targets[1, 7] = body.root + ahead, from_matrix(palm), 1.0
+    body.rotations = solve(body.skeleton, body.rotations, body.root, targets)
+    start = body.start(CUP, "carry", frames=0, wish=True, parameters={}, hand="left")
+    cup = Transform(body.grip(1).place, frame_of(CUP).rotation)
+    start = msgspec.structs.replace(start, object=record(CUP, cup), world=[outlined(record(SINK), 11)])
+    task, spine = HumanTask(start), INDEX["spine"]
+    rows, arms, cares = program("hold_arm")(task), list[np.ndarray](), list[np.ndarray]()
+    left, upright = np.array([0.0, 1.0, 0.0]), body.rotations[spine].copy()
+    for k in range(150):
+        turned = from_axis_angle(left, leans * float(minimum_jerk(np.array(k / 60.0))))
+        body.rotations[spine] = multiply(multiply(turned, body.rotations[0]), upright)
+        body.rotations[spine] = multiply(conjugate(body.rotations[0]), body.rotations[spine])
+        task.see(body.row(k + 1))
+        row = next(rows)[0]
+        body.rotations[reacher.links] = row[4:176].reshape(43, 4)[reacher.links]
+        arms.append(body.rotations[reacher.links].copy())
+        cares.append(row[176:220])
+    return body, arms, cares
+
+
+def gap(body: Body) -> float:
+    points, radii = skin_of(Reacher.of(body.skeleton, "left"), body.rotations, body.root)
+    return float((clearance(prisms(record(SINK)), points) - radii).min())
+
+
+def test_an_arm_that_holds_something_gives_way_to_a_counter_that_one_leans_over() -> None:
+    body, arms, cares = carried(0.55, beside=True)
+    assert gap(body) > 0.02
+    hand = INDEX["left_hand"]
+    assert cares[-1][hand] > 5.0 > cares[0][hand]  # nothing else brings it back
+    turns = to_rotation_vector(multiply(conjugate(np.array(arms[:-1])), np.array(arms[1:])))
+    assert np.degrees(np.linalg.norm(turns, axis=-1)).max() < 4.0
+    body.rotations[Reacher.of(body.skeleton, "left").links] = arms[0]
+    assert gap(body) < -0.05  # where it would be
+
+
+def test_far_from_things_it_stays_as_it_was() -> None:
+    _, arms, cares = carried(0.55, beside=False)
+    np.testing.assert_allclose(arms[-1], arms[0], atol=1e-12)
+    assert cares[-1][INDEX["left_hand"]] == 1.0

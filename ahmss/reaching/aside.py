@@ -1,0 +1,110 @@
+"""Points of an arm kept out of things from frame to frame: by how much they are to be moved aside together, softly.
+
+What comes next is guessed, so the points of several frames are looked at in one: where any of them would be in a
+thing, all are moved along the shortest way out of it, and come back as soon as there is room. Three lags one after the
+other make that a movement which begins and ends softly; the frames that are looked ahead are as many as it takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
+
+from ahmss.body.array import Array
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.prism import Prism, clearance
+
+__all__ = ["AIR", "Aside", "kept_aside", "nearest"]
+
+AIR = 0.025
+"""Metres between skin and things."""
+
+
+_MOST = 0.22  # metres that an arm is moved at the most
+_LAG = 0.07  # seconds of each of the lags
+_COMES_BACK = 0.97  # of what an arm was to be moved by, what is left a frame later where there is room
+_ROUNDS = 4  # of moving them out of one thing after the other
+_BEFORE, _SOFT, _BEGINS = 16, 6.0, 24  # frames by which a known way goes aside sooner, over which softly, at first
+_ENOUGH, _STILL = 5e-4, 1e-5  # metres
+
+
+class Aside:
+    """How far points are moved aside, from frame to frame.
+
+    Args:
+        rate: frames a second.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._share = 1.0 - np.exp(-1.0 / (_LAG * rate))
+        self._wanted, self._lags = np.zeros(3), np.zeros((3, 3))
+
+    @property
+    def moved(self) -> Array:
+        """By how much they are moved now (3,), metres."""
+        return self._lags[-1]
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing is moved, nor about to be."""
+        return float(np.abs(self._lags).max()) < _STILL and float(np.abs(self._wanted).max()) < _STILL
+
+    def step(self, prisms: Sequence[Prism], points: Array, radii: Array) -> Array:
+        """By how much points are moved in the next frame (3,).
+
+        Args:
+            prisms: the things.
+            points: (n, 3) where they are and will be if nothing moves them. radii: (n,) of the skin around them.
+        """
+        self._wanted = _out_of(prisms, points, radii + AIR, _COMES_BACK * self._wanted)
+        towards = self._wanted
+        for lag in self._lags:
+            lag += self._share * (towards - lag)
+            towards = lag
+        return self.moved.copy()
+
+
+def kept_aside(prisms: Sequence[Prism], points: Array, radii: Array) -> Array:
+    """By how much points (F, n, 3), all of whose frames are known, are to be moved out of things (F, 3), at first by 0.
+
+    Args:
+        prisms: the things. points: where they would be. radii: (n,) of the skin around them.
+    """
+    moved = np.zeros((len(points), 3))
+    if not prisms:
+        return moved
+    room = radii + AIR
+    begins = minimum_jerk(np.arange(1, len(points) + 1) / _BEGINS)
+    for _ in range(_ROUNDS):
+        at = points + moved[:, None]
+        lack = room - clearance(prisms, at, float(room.max()))
+        frame, worst = np.unravel_index(int(lack.argmax()), lack.shape)
+        if lack[frame, worst] < _ENOUGH:
+            break
+        out = nearest(prisms, at[frame, worst]).way_out(at[frame, worst])
+        most = maximum_filter1d(np.maximum(lack.max(axis=-1), 0.0), 2 * _BEFORE + 1, mode="nearest")
+        moved += (begins * gaussian_filter1d(most, _SOFT, mode="nearest"))[:, None] * out
+    length = np.linalg.norm(moved, axis=-1, keepdims=True)
+    return moved * np.minimum(1.0, _MOST / np.maximum(length, 1e-9))
+
+
+def nearest(prisms: Sequence[Prism], point: Array) -> Prism:
+    """Of prisms the one that a point (3,) is nearest to, or deepest in."""
+    return min(prisms, key=lambda prism: float(prism.signed(point)))
+
+
+def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array) -> Array:
+    """By how much points (n, 3) with room of such radii (n) around them are to be moved (3,), from a guess on."""
+    if not prisms or not len(points):
+        return moved
+    most = float(radii.max())
+    for _ in range(_ROUNDS):
+        at = points + moved
+        lack = radii - clearance(prisms, at, most)
+        worst = int(lack.argmax())
+        if lack[worst] < _ENOUGH:
+            break
+        moved = moved + lack[worst] * nearest(prisms, at[worst]).way_out(at[worst])
+    return moved * min(1.0, _MOST / max(float(np.linalg.norm(moved)), 1e-9))
