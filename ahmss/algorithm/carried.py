@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from ahmss.algorithm.giving_way import Things
 from ahmss.algorithm.reaching import HEAD, sides_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -55,7 +56,7 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
     Raises:
         AlgorithmError: the body has come to rest too far away.
     """
-    gaze, begun, nearing = _Gaze(task, goal.place), 0, _Nearing(task, goal)
+    gaze, begun, nearing, things = _Gaze(task, goal.place), 0, _Nearing(task, goal), Things(task)
     relaxed, last = round(_RELAXED * task.rate), task.present.root.copy()
     then = task.present.rotations.copy(), last
     while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(relaxed):
@@ -74,7 +75,8 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         last = task.present.root.copy()
         root = last + on  # about where it will be carried by this frame
         ahead = _SLOWER * (task.length - k) * on * _LEVEL if task.length else nearing.ahead
-        made, target, spine = carried.step(rotations, root, time, ahead, settles=task.length > 0)
+        near = things.about(root, carried.palm[:3])
+        made, target, spine = carried.step(rotations, root, time, ahead, near, settles=task.length > 0)
         nearing.nearest = min(nearing.nearest, carried.short)
         over = carried.let_go and not task.length
         if over:

@@ -19,10 +19,13 @@ from ahmss.body.quaternion import align, conjugate, from_rotation_vector, multip
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
+from ahmss.reaching.aside import AIR, nearest
 from ahmss.reaching.comfort import across, discomfort
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.path import lifted
+from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of, seat
+from ahmss.reaching.skin import hand_skin
 from ahmss.reaching.tracking import Tracking, speed_towards
 from ahmss.reaching.waist import bent_towards
 
@@ -36,13 +39,14 @@ _BETTER = 0.25  # by which another palm must be easier than the one that is gone
 _STEP = np.radians(1.0)  # by which the palm at the end is chosen anew from frame to frame
 _SETTLED = 0.8  # of the time: from then on the palm's end stays
 _MOVE = 0.004  # metres that its end may move in a frame before
-_WALKS, _LEAVES_IT = 0.4, 0.015  # a walk's importance for the spine, and what is left to it of that in the end
+_WALKS, _LEAVES_IT = 0.4, 0.001  # a walk's importance for the spine, and what is left to it of that in the end
 _TURNS_ON = np.radians(1.5)  # of the trunk, that it is expected to turn on in a frame at the most
 _LEFT_FROM = 0.88  # of the arm's length: what is farther off
 _LEAVES = 0.004  # and goes away by so many metres a frame, is let go of
 _NEWEST = 0.1  # of how fast it goes away that the newest frame makes
 _LETS_GO = 36  # frames
 _FASTEST, _GAINS = np.radians(2.0), np.radians(0.25)  # of the waist in a frame, and from one frame to the next
+_SOFTLY, _SOFTER, _TINY = 0.015, 0.3, 1e-6  # metres over which a hand is kept out of things; of its way to its place
 _COMES_TO_REST = 0.85  # of the speed against the body that the hand had: what is left of it a frame later
 
 
@@ -103,7 +107,14 @@ class Carried:
         return self._left >= 1.0
 
     def step(
-        self, rotations: Array, root: Array, time: float, ahead: Array, *, settles: bool = True
+        self,
+        rotations: Array,
+        root: Array,
+        time: float,
+        ahead: Array,
+        near: Sequence[Prism] = (),
+        *,
+        settles: bool = True,
     ) -> tuple[Array, Array, float]:
         """The next frame at a share of the time, from the present pose (43, 4), (3,).
 
@@ -112,6 +123,7 @@ class Carried:
             time: share of it.
             ahead: (3,) how far the root is likely to be carried until the end, metres: what is still missing then is
                 the waist's to give.
+            near: things that the arm is to keep out of.
             settles: whether the palm's end stays from shortly before the end on; else it is chosen anew to the last.
 
         Returns:
@@ -137,10 +149,32 @@ class Carried:
             self._end_from(out, root)
         wanted = lifted(start, self.palm, _FIRST, _LAST).at(np.array([time]))[0]
         wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
-        palm = self._tracking.step(wanted, spine, time)
+        palm = self._tracking.step(wanted, spine, time, near)
+        if near:
+            palm[:3] += self._out_of(near, rotations, root, palm)
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
         out[reacher.links] = reacher.arm.into_pose(self._tracking.links)
         return out, np.append(palm, 1.0 - left), _importance(share)
+
+    def _out_of(self, near: Sequence[Prism], rotations: Array, root: Array, palm: Array) -> Array:
+        """By how much a palm (7,) goes aside for things (3,) that a hand with the fingers of a pose would be in there.
+
+        It comes as near to them as it is to be in the end, softly as long as it is far from that.
+        """
+        present = grips(self.reacher.skeleton, rotations, root)[self.reacher.row]
+        points, radii = hand_skin(self.reacher, rotations, root)
+        inner = rotate(conjugate(present[3:]), points - present[:3])
+        soft = min(_SOFTLY, _SOFTER * float(np.linalg.norm(palm[:3] - self.palm[:3])))
+        here, there = (one[:3] + rotate(one[3:], inner) for one in (palm, self.palm))
+        far = AIR + 4.0 * soft
+        gap = clearance(near, here, far + float(radii.max())) - radii
+        worst = int(gap.argmin())
+        if gap[worst] > far:
+            return np.zeros(3)
+        least = min(float((clearance(near, there, AIR + float(radii.max())) - radii).min()), AIR)
+        lack = least - float(gap[worst])
+        out = nearest(near, here[worst]).way_out(here[worst])
+        return out * (soft * float(np.logaddexp(0.0, lack / soft)) if soft > _TINY else max(lack, 0.0))
 
     def _bent(self, hips: Array, root: Array, ahead: Array, share: Array) -> Array:
         """The spine's rotation (4,), bent by a share of what the waist gives, the body not carried past the place."""

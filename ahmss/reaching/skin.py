@@ -17,7 +17,7 @@ from ahmss.body.quaternion import multiply, rotate
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["MARGIN", "gaps", "skin_of"]
+__all__ = ["MARGIN", "gaps", "hand_skin", "skin_of"]
 
 MARGIN = 0.02
 """Metres of air that hand and forearm keep."""
@@ -67,6 +67,13 @@ def skin_of(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Arr
     radii = np.tile(skeleton.radii[links], (len(_ALONG), 1))
     radii[-1, 0] *= _WRIST
     return np.concatenate(points, axis=-2), radii.ravel()
+
+
+def hand_skin(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """Those points (..., n, 3) and radii (n,) of `skin_of` that are the hand's and the fingers'."""
+    points, radii = skin_of(reacher, rotations, root)
+    own = np.tile(np.arange(len(_links(reacher.side))) > 0, len(_ALONG))
+    return points[..., own, :], radii[own]
 
 
 @lru_cache(maxsize=16)

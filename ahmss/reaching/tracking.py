@@ -8,6 +8,8 @@ than a person's does, and so lags behind what leaps.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ahmss.body.arm import Wrist, hand_angles, with_hand, wrist_of
@@ -16,6 +18,7 @@ from ahmss.body.arm_swing import HAND, SHOULDER, limits_of, swing_of
 from ahmss.body.array import Array
 from ahmss.body.quaternion import align, between, conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 
 __all__ = ["Tracking", "speed_towards"]
@@ -30,6 +33,9 @@ _SWINGS = np.radians(np.linspace(-70.0, 70.0, 57))  # of the elbow, that are tri
 _SWUNG, _SHOULDER = 0.25, 3.0  # what a radian of it costs, and one over the shoulder's limits, where the hand's costs 1
 _KEEPS = np.radians(4.0)  # from a limit that a joint keeps where it can
 _GIVES = np.radians(3.0)  # beyond a limit, that a hand gives before the palm is turned otherwise than asked
+_FOREARM = np.array([[0.0], [0.35], [0.7]])  # of the way from elbow to wrist: places on it that keep out of things
+_ROOM, _DEEP = 0.055, 0.01  # metres around these, and what of it may lack for as much as a radian beyond a limit
+_X = np.array([1.0, 0.0, 0.0])
 _TINY = 1e-9
 
 
@@ -45,18 +51,21 @@ class Tracking:
         before = links if before is None else align(before, links)
         self._speed = to_rotation_vector(multiply(conjugate(before), links))
         self._limits = limits_of(reacher.arm)
+        self._near: Sequence[Prism] = ()
         self._hand = self._limits[HAND] + np.array([-_GIVES, _GIVES])
         self._place = wrist_of(reacher.arm, links).place
         self._side = present_side(reacher.arm, links, self._place)
 
-    def step(self, palm: Array, spine: tuple[Array, Array], time: float) -> Array:
+    def step(self, palm: Array, spine: tuple[Array, Array], time: float, near: Sequence[Prism] = ()) -> Array:
         """Bring the arm, by a frame, as near as it can come to a palm (7,) in the world; returns the palm it has (7,).
 
         Args:
             palm: what is asked for.
             spine: place (3,) and rotation (4,) of the spine link as it is about to be.
             time: share of the reach's: towards the end the arm may be stretched further.
+            near: things that the elbow swings out of.
         """
+        self._near = near
         wanted = self._allowed(palm, spine, time)
         self._speed = speed_towards(self.links, wanted, self._speed, _FASTEST, _GAINS)
         self._brake()
@@ -74,24 +83,35 @@ class Tracking:
         asked, links = palm, self.links
         for _ in range(_ROUNDS):
             wrist = self._reacher.wrist(self._within_reach(asked, spine, time), spine)
-            links = self._easiest(wrist)
+            links = self._easiest(wrist, spine)
             asked = np.concatenate([palm[:3], self._palm(links, spine)[3:]])
         place = wrist_of(self._reacher.arm, links).place
         self._side, self._place = self._carried_side(place), place
         return links
 
-    def _easiest(self, wrist: Wrist) -> Array:
+    def _easiest(self, wrist: Wrist, spine: tuple[Array, Array]) -> Array:
         """The links (3, 4) for a wrist pose, the elbow swung a little where that spares a joint."""
         arm, n = self._reacher.arm, len(_SWINGS)
         side = np.tile(self._carried_side(wrist.place), (n, 1))
         swing = swing_of(arm, Wrist(np.tile(wrist.place, (n, 1)), np.tile(wrist.rotation, (n, 1))), side)
-        cost = self._strain(swing.links(_SWINGS)) + _SWUNG**2 * _SWINGS**2
+        arms = swing.links(_SWINGS)
+        cost = self._strain(arms) + _SWUNG**2 * _SWINGS**2
+        if self._near:
+            cost += (self._lack(arms[:, 0], wrist.place, spine) / _DEEP) ** 2
         best = int(np.clip(cost.argmin(), 1, n - 2))
         left, here, right = cost[best - 1 : best + 2]
         between_two = 0.5 * (left - right) / max(left - 2.0 * here + right, _TINY)
         phi = _SWINGS[best] + np.clip(between_two, -1.0, 1.0) * (_SWINGS[1] - _SWINGS[0])
         links = swing.links(np.full(n, phi))[0]
         return with_hand(links, np.clip(hand_angles(links), *self._hand.T))
+
+    def _lack(self, upper: Array, wrist: Array, spine: tuple[Array, Array]) -> Array:
+        """The room (n) that forearms lack, metres, whose upper arms are turned so (n, 4)."""
+        reacher = self._reacher
+        elbow = reacher.arm.lengths[0] * rotate(upper, _X)
+        points = elbow[:, None] + _FOREARM * (wrist - elbow)[:, None]
+        points = reacher.shoulder(spine) + rotate(multiply(spine[1], reacher.arm.rotation), points)
+        return np.maximum(_ROOM - clearance(self._near, points, _ROOM), 0.0).max(axis=-1)
 
     def _strain(self, links: Array) -> Array:
         """What arms (n, 3, 4) cost (n): their angles over the limits, squared."""
