@@ -12,7 +12,7 @@ import numpy as np
 
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.task import HumanTask
-from ahmss.body.arm import hand_angles, with_hand
+from ahmss.body.arm import Wrist, hand_angles, with_hand, wrist_of
 from ahmss.body.arm_choice import present_side
 from ahmss.body.arm_swing import HAND, limits_of, swing_of
 from ahmss.body.array import Array
@@ -27,6 +27,7 @@ __all__ = ["GivingWay", "Things"]
 _NEAR = 1.1  # metres from the hips beyond which nothing is in an arm's way
 _AHEAD = (0.0, 8.0, 16.0)  # frames
 _GOES_ON = 12.0  # frames in which a trunk comes to rest, or turns otherwise, as far as can be known
+_ON = (_GOES_ON * (1.0 - np.exp(-(np.array(_AHEAD) + 1.0) / _GOES_ON)))[:, None]  # (f, 1) as if it went on evenly
 _NEWEST = 0.3  # of how the trunk moves, that the newest frame makes
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
 _ALL = 0.04  # metres
@@ -69,28 +70,27 @@ class GivingWay:
         if not prisms and self._aside.still:
             return rotations[reacher.links]
         skin, radii = skin_of(reacher, rotations, root)
-        palm = reacher.palm(reacher.arm.from_pose(rotations[reacher.links]), spine)
-        place, turned = reacher.hand(palm)
+        links = reacher.arm.from_pose(rotations[reacher.links])
+        wrist, turn = wrist_of(reacher.arm, links), multiply(spine[1], reacher.arm.rotation)
+        place, turned = reacher.shoulder(spine) + rotate(turn, wrist.place), multiply(turn, wrist.rotation)
         held, thick = self._held
         points = np.concatenate([skin, place + rotate(turned, held)])
         radii = np.concatenate([radii, thick])
         present = points + self.moved
         near = [prism for prism in prisms if clearance([prism], present).min() > -_DEEP]
-        ahead = np.concatenate([self._carried(points, spine, frames) for frames in _AHEAD])
+        ahead = self._carried(points, spine).reshape(-1, 3)
         moved = self._aside.step(near, ahead, np.tile(radii, len(_AHEAD)))
         if self._aside.still:
             return rotations[reacher.links]
-        return self._moved(rotations, palm, spine, moved)
+        wrist = Wrist(wrist.place + rotate(conjugate(turn), moved), wrist.rotation)
+        return align(reacher.arm.into_pose(self._brought(links, wrist)), rotations[reacher.links])
 
-    def _moved(self, rotations: Array, palm: Array, spine: tuple[Array, Array], moved: Array) -> Array:
-        """The arm's rows (3, 4) when its palm (7,) is so much (3,) aside."""
-        reacher = self._reacher
-        links = reacher.arm.from_pose(rotations[reacher.links])
-        wrist = reacher.wrist(np.concatenate([palm[:3] + moved, palm[3:]]), spine)
-        made = swing_of(reacher.arm, wrist, present_side(reacher.arm, links, wrist.place)).links(np.zeros(()))
+    def _brought(self, links: Array, wrist: Wrist) -> Array:
+        """The arm's links (3, 4), which are others (3, 4) by rights, with the wrist there."""
+        arm = self._reacher.arm
+        made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(np.zeros(()))
         held, (low, high) = hand_angles(links), self._limits.T  # it may be held beyond a limit
-        made = with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
-        return align(reacher.arm.into_pose(made), rotations[reacher.links])
+        return with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
 
     def _follow(self, spine: tuple[Array, Array]) -> None:
         """Take in how the trunk moves."""
@@ -101,11 +101,10 @@ class GivingWay:
         self._speed = self._speed + _NEWEST * (spine[0] - before[0] - self._speed)
         self._spin = self._spin + _NEWEST * (turn - self._spin)
 
-    def _carried(self, points: Array, spine: tuple[Array, Array], frames: float) -> Array:
-        """Points (n, 3) of the arm as the trunk is likely to carry them in so many frames."""
-        on = _GOES_ON * (1.0 - np.exp(-(frames + 1.0) / _GOES_ON))
-        turn = from_rotation_vector(on * self._spin)
-        return spine[0] + on * self._speed + rotate(turn, points - spine[0])
+    def _carried(self, points: Array, spine: tuple[Array, Array]) -> Array:
+        """Points (n, 3) of the arm as the trunk is likely to carry them (f, n, 3) in the frames that are looked at."""
+        turns = from_rotation_vector(_ON * self._spin)
+        return spine[0] + _ON[:, None] * self._speed + rotate(turns[:, None], points - spine[0])
 
 
 class Things:
