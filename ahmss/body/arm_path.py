@@ -10,6 +10,7 @@ the elbow least, and its fastest turn is the slowest possible. So where any way 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,7 +59,7 @@ class Way:
         return np.unwrap(angles, axis=0)
 
 
-def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP) -> Way:
+def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP, softly: int = 0) -> Way:
     """The arm along a path of wrist poses that begins at the present arm, without jumps wherever that is possible.
 
     Args:
@@ -67,14 +68,18 @@ def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP) -> Way:
         present: (..., 3, 4) the links of the frame before the path's first.
         step: the most that the elbow swings from frame to frame, radians; also how fast a hand comes back that could
             not be turned as asked.
+        softly: how many frames it takes until the elbow may swing so fast, and a limit is come back to so fast.
     """
+    frames = len(wrist.place)
+    paces = np.minimum(np.arange(1.0, frames + 1.0) / (softly + 1.0), 1.0)
     swing = swing_of(arm, wrist, carried_sides(arm, wrist.place, present))
-    limits = begun_at(limits_of(arm), present, len(wrist.place))
+    limits = begun_at(limits_of(arm), present, np.cumsum(paces) - paces[0])
     arcs, whole_hand = _arcs(swing, limits)
-    frames, batch = swing.bend.shape[0], swing.bend.shape[1:]
+    batch = swing.bend.shape[1:]
     phi, jumps = np.empty((frames, *batch)), np.zeros((frames, *batch), bool)
     for item in np.ndindex(batch):
-        phi[(slice(None), *item)], jumps[(slice(None), *item)] = _string(arcs[(slice(None), *item)], step)
+        every = (slice(None), *item)
+        phi[every], jumps[every] = _string(arcs[every], step, paces.tolist())
     links = swing.links(phi)
     if not whole_hand.all():
         angles, leaps = ease_hand(hand_angles(links), whole_hand, hand_angles(present), limits[..., HAND, :], step)
@@ -85,14 +90,15 @@ def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP) -> Way:
     return Way(continuous(links, present), swing.missing, turned, excess(arm, links), jumps)
 
 
-def begun_at(limits: Array, present: Array, frames: int) -> Array:
+def begun_at(limits: Array, present: Array, frames: Array) -> Array:
     """Limits (F, ..., 6, 2), radians: those (6, 2) of an arm, and where its present links (..., 3, 4) are beyond them.
 
-    An arm that is beyond a limit comes back within it by so much a frame: it does not leap.
+    An arm that is beyond a limit comes back within it by so much a frame: it does not leap. The frames (F,) are counted
+    from the first, which may take less than one each.
     """
     upper = np.where(present[..., 0, :1] < 0.0, -present[..., 0, :], present[..., 0, :])
     angles = np.concatenate([2.0 * np.arctan2(upper[..., 1:], upper[..., :1]), hand_angles(present)], axis=-1)
-    back = (_BACK * np.arange(frames)).reshape(-1, *[1] * angles.ndim)
+    back = (_BACK * frames).reshape(-1, *[1] * angles.ndim)
     low = np.minimum(limits[:, 0], angles + back)
     high = np.maximum(limits[:, 1], angles - back)
     return np.stack([low, high], axis=-1)
@@ -131,20 +137,21 @@ def _arcs(swing: Swing, limits: Array) -> tuple[Array, Any]:
     return arcs, whole_hand
 
 
-def _string(arcs: Array, step: float) -> tuple[Array, Any]:
+def _string(arcs: Array, step: float, paces: Sequence[float]) -> tuple[Array, Any]:
     """Swings (F,) along arcs (F, n, 2), and where they jump; the swing before the first frame is 0."""
     phi, jumps = np.empty(len(arcs)), np.zeros(len(arcs), bool)
+    steps = [step * pace for pace in paces]
     frame, before = 0, 0.0
     while frame < len(arcs):
-        gates = corridor(arcs[frame:], before, step)
+        gates = corridor(arcs[frame:], before, steps[frame:])
         if len(gates) == 0:  # no swing near enough: a jump, to the nearest
             jumps[frame] = True
-            (nearest,) = corridor(arcs[frame : frame + 1], before, 2.0 * np.pi)
+            (nearest,) = corridor(arcs[frame : frame + 1], before, [2.0 * np.pi])
             before = min(max(before, nearest[0]), nearest[1])
-            gates = corridor(arcs[frame:], before, step)
-        phi[frame : frame + len(gates)] = taut_string(gates, before)
-        frame += len(gates)
-        before = float(phi[frame - 1])
+            gates = corridor(arcs[frame:], before, steps[frame:])
+        end = frame + len(gates)
+        phi[frame:end] = taut_string(gates, before, paces[frame:end])
+        frame, before = end, float(phi[end - 1])
     return phi, jumps
 
 

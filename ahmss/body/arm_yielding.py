@@ -41,7 +41,7 @@ def yielding(arm: Arm, wrist: Wrist, present: Array, step: float) -> Way:
         step: the most that the elbow swings from frame to frame, radians.
     """
     swing = swing_of(arm, wrist, carried_sides(arm, wrist.place, present))
-    measures, limits = swing.measures(), begun_at(limits_of(arm), present, len(wrist.place))
+    measures, limits = swing.measures(), begun_at(limits_of(arm), present, np.arange(float(len(wrist.place))))
     phi = _smooth(_chosen(measures, limits, step), len(swing.bend))
     phi = _ended(phi, measures, limits)
     links = swing.links(phi)

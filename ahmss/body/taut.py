@@ -22,7 +22,7 @@ _INSIDE = 1e-10  # radians by which the string keeps off an arc's end, so that r
 _WHOLE = 1e-9  # radians: an arc that lacks less of the circle is the circle
 
 
-def corridor(arcs: Array, start: float, step: float) -> list[Gate]:
+def corridor(arcs: Array, start: float, steps: Sequence[float]) -> list[Gate]:
     """The gates (F) or fewer, up to the last frame that can be reached from the start by such steps.
 
     Values are not wrapped: who goes round goes over pi. From every value in a gate one within a step lies in the gate
@@ -31,11 +31,11 @@ def corridor(arcs: Array, start: float, step: float) -> list[Gate]:
     Args:
         arcs: (F, n, 2) radians, beginnings and ends of what each frame allows; nan where there are fewer than n.
         start: the value before the first frame.
-        step: the most that a value changes from frame to frame, up to a whole turn.
+        steps: (F,) the most that a value changes from the frame before to each, up to a whole turn.
     """
     reached: list[list[Gate]] = []
     before: list[Gate] = [(start, start)]
-    for frame in arcs.tolist():
+    for frame, step in zip(arcs.tolist(), steps, strict=True):
         grown = _joined([(low - step, high + step) for low, high in before])
         before = [gate for part in grown for gate in _on_arcs(frame, _capped(part, start))]
         if not before:
@@ -44,39 +44,47 @@ def corridor(arcs: Array, start: float, step: float) -> list[Gate]:
     if not reached:
         return []
     gates = [min(reached[-1], key=lambda gate: _distance(gate, start))]
-    for parts in reversed(reached[:-1]):
+    for parts, step in zip(reversed(reached[:-1]), reversed(steps[1 : len(reached)]), strict=True):
         low, high = gates[-1][0] - step, gates[-1][1] + step
         leading = [(max(low, a), min(high, b)) for a, b in parts if a <= high and b >= low]
         gates.append(min(leading, key=lambda gate: _distance(gate, start)))
     gates.reverse()
     # A gate that two branches led to is reached from the one that was taken only in part.
     previous = (start, start)
-    for i, (low, high) in enumerate(gates):
+    for i, ((low, high), step) in enumerate(zip(gates, steps, strict=False)):
         previous = gates[i] = (max(low, previous[0] - step), min(high, previous[1] + step))
     return gates
 
 
-def taut_string(gates: Sequence[Gate], start: float) -> Array:
+def taut_string(gates: Sequence[Gate], start: float, paces: Sequence[float]) -> Array:
     """The values (F,) through gates (F) of a string that is fast at the start and free at the end.
 
-    Of all ways through the gates it has the least sum of squared steps, and the smallest largest step.
+    Of all ways through the gates it has the least sum of squared steps over paces, and the smallest largest step in
+    proportion to its pace.
+
+    Args:
+        gates: what each frame allows.
+        start: the value before the first.
+        paces: (F,) > 0, how long the time from the frame before to each counts: where it is short, steps are small.
     """
     n = len(gates)
+    time = np.concatenate([[0.0], np.cumsum(paces)])
     out = np.empty(n)
     at, value = 0, start  # the string's last bend: a count of gates passed, and its value there
     while at < n:
-        bend, there = _next_bend(gates, at, value)
-        out[at:bend] = np.linspace(value, there, bend - at + 1)[1:]
+        bend, there = _next_bend(gates, time.tolist(), at, value)
+        share = (time[at + 1 : bend + 1] - time[at]) / (time[bend] - time[at])
+        out[at:bend] = value + share * (there - value)
         at, value = bend, there
     return out
 
 
-def _next_bend(gates: Sequence[Gate], at: int, value: float) -> tuple[int, float]:
+def _next_bend(gates: Sequence[Gate], time: Sequence[float], at: int, value: float) -> tuple[int, float]:
     """Where the string that bends at a place bends next; the end of the last level piece is one too."""
     least, most = -math.inf, math.inf  # the slopes that pass all gates so far
     least_at = most_at = at
     for j in range(at + 1, len(gates) + 1):
-        low, high = ((side - value) / (j - at) for side in gates[j - 1])
+        low, high = ((side - value) / (time[j] - time[at]) for side in gates[j - 1])
         if low > most:
             return most_at, gates[most_at - 1][1]
         if high < least:

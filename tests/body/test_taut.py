@@ -6,9 +6,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from ahmss.body.taut import corridor, taut_string
+from ahmss.body import taut
 
 from .strategies import seeds
+
+
+def taut_string(gates, start):
+    """A string through frames of one pace."""
+    return taut.taut_string(gates, start, [1.0] * len(gates))
+
+
+def corridor(arcs, start, step):
+    """A corridor of one step for all frames."""
+    return taut.corridor(arcs, start, [step] * len(arcs))
 
 
 def gates_of(rng, n):
@@ -29,6 +39,26 @@ def test_no_way_through_the_gates_has_smaller_steps(seed, n):
 
     best = minimize(energy, [(a + b) / 2 for a, b in gates], bounds=gates, method="L-BFGS-B", options={"ftol": 1e-15})
     assert energy(string) <= best.fun + 1e-9
+
+
+@given(seeds, st.integers(1, 12))
+def test_no_way_at_uneven_paces_has_smaller_steps_over_them(seed, n):
+    rng = np.random.default_rng(seed)
+    gates, start, paces = gates_of(rng, n), float(rng.normal() * 0.3), rng.uniform(0.1, 1.0, n)
+    string = taut.taut_string(gates, start, paces.tolist())
+    assert all(low - 1e-12 <= value <= high + 1e-12 for value, (low, high) in zip(string, gates, strict=True))
+
+    def energy(values):
+        return np.sum(np.diff(values, prepend=start) ** 2 / paces)
+
+    best = minimize(energy, [(a + b) / 2 for a, b in gates], bounds=gates, method="L-BFGS-B", options={"ftol": 1e-15})
+    assert energy(string) <= best.fun + 1e-6
+
+
+def test_a_corridor_widens_by_the_step_of_each_frame():
+    arcs = arcs_of(*[[(-np.pi, np.pi)]] * 3)
+    gates = taut.corridor(arcs, 0.0, [0.1, 0.2, 0.4])
+    assert np.allclose(gates, [(-0.1, 0.1), (-0.3, 0.3), (-0.7, 0.7)])
 
 
 def test_a_string_that_nothing_touches_stays_level():
