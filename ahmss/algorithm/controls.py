@@ -58,6 +58,7 @@ _LEAP = np.radians(9.0)  # that an arm's link turns in a frame
 _OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
 _SEES = np.radians(65.0)  # aside of where one goes, up to where one looks at it on the way
 _NECK, _FORGETS = np.radians(75.0), 0.02  # aside; of looking: who looks no more may look to the other side next
+_LONGEST = 2.0  # seconds that a gaze is on its way
 _LAG = 0.07  # seconds of each of three lags by which the gaze turns then
 _TARGETS = 220  # the first of a row's targets
 _SPARSE = 3  # every so many palms show how easily an arm comes there
@@ -142,6 +143,7 @@ def smoothest(
         task, reaching, goal, gaze, prisms, off: as of `planned`. perform: makes a plan's frames.
     """
     best: tuple[float, Plan, Performed] | None = None
+    made = None
     for tried in range(_TRIES):
         plan = yield from planned(task, reaching, goal, gaze, prisms, off)
         made = yield from perform(plan)
@@ -155,7 +157,10 @@ def smoothest(
             break
         goal = _otherwise(goal, plan, other_hand=tried % 2 == 1)
     assert best is not None
-    return best[1:]
+    _, plan, first = best
+    if first is not made and first.looked < 1.0:  # the eyes have gone on since it was made
+        first = yield from perform(plan)
+    return plan, first
 
 
 def _otherwise(goal: Goal, plan: Plan, *, other_hand: bool) -> Goal:
@@ -229,7 +234,7 @@ class _Watching:
     def goes_on(self, task: HumanTask) -> Looking:
         """The gaze of who has arrived, as far on its way as it is."""
         gaze = Looking(task, self._place)
-        frames = np.arange(0.0, task.rate)
+        frames = np.arange(0.0, _LONGEST * task.rate)
         gaze.frames = int(np.searchsorted(gaze.turned(frames), min(self._levels[-1], 1.0 - 1e-6)))
         return gaze
 

@@ -17,12 +17,13 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.leaning import Stretch
-from ahmss.reaching.performing import FASTEST, Fingers, Performed, perform
+from ahmss.reaching.leaning import Stretch, looking
+from ahmss.reaching.performing import AIMED, Fingers, Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.steps import Steps
@@ -30,6 +31,7 @@ from ahmss.reaching.steps import Steps
 __all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "refuse_far", "sides_of"]
 
 Worked = TypeVar("Worked")
+_HEAD = INDEX["head"]
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for, and told of
 _TOLD = 0.003  # metres
 _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
@@ -37,8 +39,11 @@ HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
 _PERFORMED_IN = 4  # frames
 _AS_FAST = 1.03  # of the frames that a reach has: up to so many more would be no gain
-_SLOWEST = 1.6  # times as long as at ease
-_HEAD_SECONDS = 0.3  # in which the gaze comes to its place
+_SLOWEST = 2.2  # times as long as at ease
+_HEAD_SECONDS = 0.3  # in which the gaze comes to its place, where the head does not turn far
+_HEAD_FASTEST = np.radians(270.0)  # a second: 4.5 degrees a frame at 60 Hz, which leave room for what the trunk adds
+_PEAK = 1.875  # of a minimum jerk's mean speed
+_GAZES_IN = 0.8  # of a motion's frames, at the most, the gaze is on its way
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
 
@@ -145,7 +150,7 @@ def performed(
         looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
         time = np.arange(1, length + 1) / length
         made = yield from gaze.until(first, perform(plan, time, gaze.place, looked, fingers, then))
-        needed = max(made.plan.seconds * task.rate, length * made.fastest / FASTEST) / length
+        needed = max(made.plan.seconds * task.rate, length * made.fastest / AIMED) / length
         if task.length or needed < _AS_FAST or slower >= _SLOWEST:
             return made
         slower = min(length * needed / (made.plan.seconds * task.rate), _SLOWEST)
@@ -173,6 +178,7 @@ class Looking:
     def __init__(self, task: HumanTask, place: Array) -> None:
         self._task, self.place = task, place
         self._feet = feet(task.human, task.start.rotations, task.start.root)
+        self._seconds = self._needed()
         self.frames = 0
         self._pauses, self._at_once = 0, 1
         if task.length:  # a short motion has few frames for the pauses of a plan: they are spread over these
@@ -180,14 +186,14 @@ class Looking:
 
     def turned(self, frames: Array) -> Array:
         """How much of the way (n) the gaze has turned at frames (n)."""
-        return minimum_jerk(frames / (_HEAD_SECONDS * self._task.rate))
+        return minimum_jerk(frames / (self._seconds * self._task.rate))
 
     def alone(self) -> Array:
         """The next frame (1, 260), in which nothing but the head moves."""
         task = self._task
         self.frames += 1
         importance = np.zeros(44)
-        importance[INDEX["head"]] = HEAD
+        importance[_HEAD] = HEAD
         rows = self.rows(np.array([self.frames]))
         return task.block(task.start.rotations[None], task.start.root[None], importance, rows)
 
@@ -222,6 +228,15 @@ class Looking:
                 return end.value
             if self.frames < last or self._waits():
                 yield self.alone()
+
+    def _needed(self) -> float:
+        """Seconds in which the head comes to the place: the farther it turns the more, its peak speed being limited."""
+        task = self._task
+        seen = looking(task.human, task.start.rotations, task.start.root, self.place)[_HEAD]
+        turn = float(np.linalg.norm(to_rotation_vector(multiply(conjugate(task.start.rotations[_HEAD]), seen))))
+        steepest = 4.0 * np.tan(0.25 * turn)  # along the chord, on which weights are met, the middle goes faster
+        seconds = max(_HEAD_SECONDS, _PEAK * steepest / _HEAD_FASTEST)
+        return min(seconds, max(_HEAD_SECONDS, _GAZES_IN * task.length / task.rate)) if task.length else seconds
 
     def _waits(self) -> bool:
         """Whether who looks there may do so for longer: nobody counts the frames, and no more of them turn anything."""

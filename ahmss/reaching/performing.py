@@ -17,25 +17,29 @@ from ahmss.body.arm import hand_angles, with_hand
 from ahmss.body.arm_path import Way, follow
 from ahmss.body.arm_yielding import yielding
 from ahmss.body.array import Array
-from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, solve
+from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, grips
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.leaning import looking
+from ahmss.reaching.other_arm import other_arm
 from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
-from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.reacher import SIDES, Reacher, seat
 from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import Posture
 from ahmss.reaching.steps import Steps
+from ahmss.reaching.twist import handed_back, untwisted
 
-__all__ = ["FASTEST", "SHAPED_BY", "Fingers", "Performed", "perform"]
+__all__ = ["AIMED", "FASTEST", "SHAPED_BY", "Fingers", "Performed", "perform"]
 
 _LEGS = [
     *range(INDEX["right_upper_leg"], INDEX["right_foot"] + 1),
     *range(INDEX["left_upper_leg"], INDEX["left_foot"] + 1),
 ]
 
+
+_TRUNK = [INDEX["hips"], INDEX["spine"], INDEX["head"]]
 
 SHAPED_BY = 0.8
 """The share of the time by which the fingers have their shape."""
@@ -44,17 +48,24 @@ Fingers = tuple[list[int], Array]
 """Links of fingers and the rotations (n, 4) that they come to."""
 
 FASTEST = np.radians(6.0)
-"""What a joint of the arm turns in a frame at the most, where that can be helped."""
+"""What a joint turns in a frame at the most, where that can be helped."""
+
+AIMED = 0.88 * FASTEST
+"""What is aimed at for that: what is shown goes on from how the body moves, and catches up."""
 
 _DEEP, _FAST, _BEYOND = 0.01, np.radians(3.0), np.radians(5.0)  # metres in things, radians too fast and beyond limits
 _JUMPS = 10.0  # which are as bad as these
 _SWING = np.radians(4.5)  # of an elbow whose joints give way, in a frame at the most
+_GENTLE = np.radians(3.0)  # the same, where its joints turn too fast else
+_SOFTLY = 10  # frames
 _DETOUR = 3.0  # as a metre of way
 _RAISES, _HIGHER = 2, 0.07  # times, metres
 _AIR = 0.002  # metres between the skin and things on the way
 _NEARLY, _FULLY = 0.94, 0.985  # of the arm's length, on the way: from where on it is spared, and what it never is
 _ENDS = 0.15  # of the time, at either end, in which it may be stretched as it is there
 _SOFT, _RAMP = 3.0, 8  # frames: over which a hand that meets a limit is slowed down, and at either end not
+_GOES_ON = 0.4  # of the time, in which a hand parts from a trunk that turns after the gaze
+_UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 _OTHER = 0.3  # the other arm's importance
 _NOTHING_THEN: Array = np.zeros((0, 7))
 _NO_FINGERS: Fingers = ([], np.zeros((0, 4)))
@@ -66,8 +77,9 @@ class Performed:
 
     rotations (n, 43, 4): head and spine as before the gaze turns them, the arm as it fits after it. root (n, 3).
     importance (n, 44). targets (n, 5, 8): the hand all the way, planted feet, the gaze. jumps: whether the arm flipped.
-    fastest: radians that a joint of the arm turns from one frame to the next at the most. flaw: how bad the arm is on
-    its way, in things, too fast or beyond its limits; 0: it is fine. plan: with the way that was taken, and no others.
+    fastest: radians that a joint of trunk, head or arm turns from one frame to the next at the most. flaw: how bad the
+    arm is on its way, in things, too fast or beyond its limits; 0: it is fine. plan: with the way that was taken, and
+    no others.
     """
 
     rotations: Array
@@ -78,6 +90,11 @@ class Performed:
     fastest: float
     flaw: float
     plan: Plan
+
+    @property
+    def looked(self) -> float:
+        """How much of its way the gaze has turned in the first frame."""
+        return float(self.targets[0, GAZE, 7])
 
 
 def perform(
@@ -105,7 +122,8 @@ def perform(
         if way is None:  # higher, for as long as that helps
             raises = 0 if best is before else raises - 1
     yield
-    return _performed(best, body, gaze, looked, fingers[0])
+    other = (yield from _other_arm(plan, body)) if plan.helped else None
+    return _performed(best, body, other, gaze, looked, fingers[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +131,23 @@ class _Body:
     """F frames of a body but for the arm that reaches.
 
     time (F,). trunk: hips, spine, legs and root as before the gaze turns anything, the fingers as they go. seen
-    (F, 43, 4): as it is shown. spine: its place (F, 3) and rotation (F, 4).
+    (F, 43, 4): as it is shown. spine: its place (F, 3) and rotation (F, 4). hands (2, F, 7): where the palms would be
+    if nothing moved but the gaze.
     """
 
     time: Array
     trunk: Posture
     seen: Array
     spine: tuple[Array, Array]
+    hands: Array
+
+    def begun(self, plan: Plan, row: int, palms: Array) -> Array:
+        """Palms (F, 7) of a hand that, at first, goes on with a trunk which still turns after the gaze."""
+        start, still = plan.hands[row], self.hands[row]
+        left = 1.0 - minimum_jerk(self.time / _GOES_ON)
+        turn = slerp(_UNTURNED, multiply(still[:, 3:], conjugate(start[3:])), left)
+        place = palms[:, :3] + left[:, None] * (still[:, :3] - start[:3])
+        return np.concatenate([place, multiply(turn, palms[:, 3:])], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,12 +177,17 @@ def _carried(plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Finge
     links, shape = fingers
     rotations[:, links] = slerp(plan.start.rotations[links], shape, minimum_jerk(time / SHAPED_BY)[:, None])
     seen = looking(skeleton, rotations, trunk.root, gaze, looked)
-    return _Body(time, Posture(rotations, trunk.root), seen, seat(skeleton, seen, trunk.root))
+    start, n = plan.start, len(time)
+    root = np.repeat(start.root[None], n, axis=0)
+    still = looking(skeleton, np.repeat(start.rotations[None], n, axis=0), root, gaze, looked)
+    hands = np.moveaxis(grips(skeleton, still, root), 1, 0)
+    return _Body(time, Posture(rotations, trunk.root), seen, seat(skeleton, seen, trunk.root), hands)
 
 
 def _asked(plan: Plan, body: _Body, then: Array) -> Array:
     """The palms (F, 7) along the plan's way, and then those (m, 7) that follow."""
     palms = np.concatenate([plan.palms(body.time[: len(body.time) - len(then)]), then])
+    palms = body.begun(plan, plan.reacher.row, palms)
     return _within_reach(plan.reacher, palms, body.spine, body.time)
 
 
@@ -172,27 +205,52 @@ def _solved(plan: Plan, body: _Body, then: Array) -> Steps[_Arm]:
 def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> Steps[_Arm]:
     """The arm after palms (F, 7), of which the first n are on the way."""
     reacher = plan.reacher
-    present = reacher.arm.from_pose(plan.start.rotations[reacher.links])
+    present, _ = untwisted(reacher.arm.from_pose(plan.start.rotations[reacher.links]))
     wrist = reacher.wrist(palms, body.spine)
-    way = follow(reacher.arm, wrist, present)
+    way = follow(reacher.arm, wrist, present, softly=_SOFTLY)
     if way.jumps.any():
         yield
         way = yielding(reacher.arm, wrist, present, _SWING)
+    made = _along(plan, body, palms, way, n)
+    if made.fastest <= AIMED:
+        return made
+    yield
+    way = follow(reacher.arm, wrist, present, _GENTLE, _SOFTLY)
+    if way.jumps.any():
+        yield
+        way = yielding(reacher.arm, wrist, present, _GENTLE)
+    return min(made, _along(plan, body, palms, way, n), key=lambda one: one.flaw)
+
+
+def _along(plan: Plan, body: _Body, palms: Array, way: Way, n: int) -> _Arm:
+    """The arm that goes such a way after palms (F, 7), as it is shown."""
+    reacher = plan.reacher
+    begun = reacher.arm.from_pose(plan.start.rotations[reacher.links])
     links, own = _slowed(way, n)
     if own.any():  # on the way a hand is turned as its joints allow, not as the shortest turn would have it
         palms = np.where(own[:, None], reacher.palm(links, body.spine), palms)
-    before = np.concatenate([present[None], links[:-1]])
-    steps = np.linalg.norm(to_rotation_vector(multiply(conjugate(before), links)), axis=-1)
+    links = handed_back(links, untwisted(begun)[1])
+    fastest = _fastest(np.concatenate([begun[None], links]))
     beyond = float(way.beyond[len(links) // 4 :].max())  # not where an arm begins beyond its limits
-    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), float(steps.max()), beyond)
+    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), fastest, beyond)
 
 
-def _performed(arm: _Arm, body: _Body, gaze: Array, looked: Array, fingers: list[int]) -> Performed:
+def _other_arm(plan: Plan, body: _Body) -> Steps[Array]:
+    """The other arm's rows (F, 3, 4): its hand stays where it was beside the hips, upright if it was, as they move."""
+    reacher = Reacher.of(plan.reacher.skeleton, SIDES[1 - plan.reacher.row])
+    hips = np.repeat(plan.hands[reacher.row][None], len(body.time), axis=0)
+    hips[:, :3] += body.trunk.root - plan.start.root
+    return other_arm(reacher, plan.start.rotations[reacher.links], body.begun(plan, reacher.row, hips), body.spine)
+
+
+def _performed(
+    arm: _Arm, body: _Body, other: Array | None, gaze: Array, looked: Array, fingers: list[int]
+) -> Performed:
     plan, reacher, n = arm.plan, arm.plan.reacher, len(body.time)
-    rotations, root, seen = body.trunk.rotations, body.trunk.root, body.seen
-    rotations[:, reacher.links] = seen[:, reacher.links] = arm.links
-    if plan.helped:
-        rotations[:, reacher.other] = _other_arm(plan, seen, root)
+    rotations, root = body.trunk.rotations, body.trunk.root
+    rotations[:, reacher.links] = arm.links
+    if other is not None:
+        rotations[:, reacher.other] = other
     targets = np.zeros((n, 5, 8))
     targets[:, reacher.row, :7], targets[:, reacher.row, 7] = arm.palms, 1.0
     targets[:, GAZE, :3], targets[:, GAZE, 7] = gaze, looked
@@ -209,7 +267,14 @@ def _performed(arm: _Arm, body: _Body, gaze: Array, looked: Array, fingers: list
         if plan.standing is not None:
             importance[[0, 43, *_LEGS]] = 1.0
     importance = np.repeat(importance[None], n, axis=0)
-    return Performed(rotations, root, importance, targets, arm.jumps, arm.fastest, arm.flaw, replace(plan, others=()))
+    fastest = max(arm.fastest, _fastest(body.seen[:, _TRUNK]))
+    return Performed(rotations, root, importance, targets, arm.jumps, fastest, arm.flaw, replace(plan, others=()))
+
+
+def _fastest(rotations: Array) -> float:
+    """Radians that any joint (F, n, 4) turns from one frame to the next at the most."""
+    steps = multiply(conjugate(rotations[:-1]), rotations[1:])
+    return float(np.linalg.norm(to_rotation_vector(steps), axis=-1).max(initial=0.0))
 
 
 def _slowed(way: Way, n: int) -> tuple[Array, Any]:
@@ -234,20 +299,11 @@ def _within_reach(reacher: Reacher, palms: Array, spine: tuple[Array, Array], ti
     stretched, span = distance / reacher.length, _FULLY - _NEARLY
     kept = _NEARLY + span * (1.0 - np.exp(-np.maximum(stretched - _NEARLY, 0.0) / span))
     back = np.maximum(stretched - kept, 0.0) * np.where(stretched > _NEARLY, 1.0, 0.0)
-    on_the_way = minimum_jerk(time / _ENDS) * minimum_jerk((HAND_BY - time) / _ENDS)
+    # An elbow bends by the root of what is drawn in: squared, it begins as softly.
+    on_the_way = minimum_jerk(time / _ENDS) ** 2 * minimum_jerk((HAND_BY - time) / _ENDS)
     out = palms.copy()
     out[:, :3] -= (back * on_the_way * reacher.length / np.maximum(distance, 1e-9))[:, None] * off
     return out
-
-
-def _other_arm(plan: Plan, rotations: Array, root: Array) -> Array:
-    """The other arm's rows (n, 3, 4): its hand stays where it was beside the hips, upright if it was, as they move."""
-    reacher, n = plan.reacher, len(root)
-    targets = np.zeros((n, 5, 8))
-    row = targets[:, 1 - reacher.row]
-    row[:, :7], row[:, 7] = plan.hands[1 - reacher.row], 1.0
-    row[:, :3] += root - plan.start.root
-    return solve(reacher.skeleton, rotations, root, targets)[:, reacher.other]
 
 
 def _touch(reacher: Reacher, prisms: Sequence[Prism], body: _Body, arm: _Arm, n: int) -> float:

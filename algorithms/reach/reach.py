@@ -45,7 +45,10 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     if other is not None and made.flaw > FLAW and not task.length:
         plan = yield from planned(task, reaching, other, gaze, prisms)
         again = yield from performed(task, reaching, plan, gaze, _shape(task, side))
-        made = min(made, again, key=lambda one: one.flaw)
+        if again.flaw < made.flaw:
+            made = again
+        elif made.looked < 1.0:  # the eyes have gone on since it was made
+            made = yield from performed(task, reaching, made.plan, gaze, _shape(task, side))
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 

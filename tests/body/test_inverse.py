@@ -240,6 +240,22 @@ def test_gaze_honours_its_weight_and_the_neck():
     assert leans[0] == 0.0 < leans[1] < leans[2] < np.radians(21.0)
 
 
+@pytest.mark.parametrize(("y", "z"), [(0.02, 0.03), (-0.02, 0.25), (0.05, -0.2), (-0.15, 0.0)])
+def test_gaze_at_what_passes_near_the_eyes_does_not_flip(y, z):
+    """From ahead to behind, past the eyes at a metre and more a second: above, below, and close beside them."""
+    rotations, root = SKELETON.upright()
+    places, turned = forward(rotations, root, SKELETON.offsets)
+    eyes = places[INDEX["head"]] + rotate(turned[INDEX["head"]], SKELETON.eye)
+    heads = []
+    for x in np.arange(0.6, -0.6, -0.02):
+        targets = np.zeros((5, 8))
+        targets[GAZE, :3], targets[GAZE, 7] = eyes + np.array([x, y, z]), 1.0
+        heads.append(solve(SKELETON, rotations, root, targets)[[INDEX["spine"], INDEX["head"]]])
+    heads = np.array(heads)
+    assert np.degrees(angle(heads[:-1], heads[1:])).max() < 8.0
+    assert np.degrees(angle(heads[0], rotations[[INDEX["spine"], INDEX["head"]]])).max() > 1.0
+
+
 def test_gaze_passes_behind_without_a_jump():
     rotations, root = SKELETON.upright()
     heads = []

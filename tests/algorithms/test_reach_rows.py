@@ -1,0 +1,105 @@
+"""Reaches one after another, each from where the last left the body: no joint turns by more than six degrees a frame.
+
+As the algorithm gives the frames, and as main shows them, which goes on from how the body moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, frames
+from ahmss.algorithm.messages import Goal
+from ahmss.algorithm.pose import block
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
+from ahmss.errors import AlgorithmError
+from ahmss.main.blending import Blending, Contribution
+from ahmss.motion.smoothness import angular_steps
+
+from .scene import FLOOR, Body, program
+
+PAUSE = 3  # frames without a motion, after each
+
+
+@dataclass(frozen=True)
+class Row:
+    """One reach of a row: rotations (n, 43, 4) from the frame before it on, and the hand's errors at its end."""
+
+    rotations: Array
+    off: float  # metres from its target
+    turned: float  # degrees from it
+
+    @property
+    def fastest(self) -> float:
+        """Degrees that any joint turns from one frame to the next at the most."""
+        return float(np.degrees(np.linalg.norm(angular_steps(self.rotations), axis=-1)).max())
+
+
+def rows(name: str, seed: int, count: int, *, blended: bool) -> Iterator[Row]:
+    """Reaches to places all around, from the floor to over the head, with either hand; what is too far is left out."""
+    random = np.random.default_rng(seed)
+    body = Body(name, facing=0.0)
+    main = Blending(body.skeleton, body.rotations, body.root, 60.0)
+    for number in range(count):
+        radius, aside, height = random.uniform((0.25, -1.5, 0.05), (0.8, 1.5, 1.85))
+        goal = Goal(place=(radius * np.cos(aside), radius * np.sin(aside), height))
+        hand = ("", "right", "left")[random.integers(3)]
+        start = body.start(FLOOR, "stand", frames=0, wish=True, hand=hand, parameters={}, goal=goal)
+        before = body.rotations
+        try:
+            given = list(frames(program("reach"), start)) if blended else body.do("reach", start)
+        except AlgorithmError:
+            continue
+        shown = _shown(main, number + 1, given) if blended else given
+        last = shown[len(given) - 1]
+        if blended:
+            body.rotations, body.root = shown[-1].rotations, shown[-1].root
+        off, turned = _errors(body, last, given)
+        yield Row(np.array([before, *(pose.rotations for pose in shown)]), off, turned)
+
+
+def _shown(main: Blending, number: int, given: list[HumanPose]) -> list[HumanPose]:
+    """The frames as main shows them, and a few after the motion's end."""
+    packed = [block(pose.rotations[None], pose.root[None], pose.importance, pose.targets[None])[0] for pose in given]
+    motion, shown = Contribution(number, packed[0]), list[HumanPose]()
+    for k, row in enumerate([*packed, *[None] * PAUSE]):
+        if k and row is not None:
+            motion.advance(row)
+        main.step([motion] if row is not None else [])
+        shown.append(HumanPose(main.rotations.copy(), main.root.copy()))
+    return shown
+
+
+def _errors(body: Body, last: HumanPose, given: list[HumanPose]) -> tuple[float, float]:
+    """Metres and degrees between the palm of the hand that reaches and its target at the end."""
+    side = int(np.array([pose.targets[:2, 7] for pose in given]).sum(axis=0).argmax())
+    palm, target = grips(body.skeleton, last.rotations, last.root)[side], given[-1].targets[side]
+    turned = to_rotation_vector(multiply(conjugate(target[3:7]), palm[3:]))
+    return float(np.linalg.norm(palm[:3] - target[:3])), float(np.degrees(np.linalg.norm(turned)))
+
+
+def check(name: str, seed: int, count: int, *, blended: bool) -> None:
+    made = list(rows(name, seed, count, blended=blended))
+    assert len(made) > 0.7 * count
+    assert max(row.fastest for row in made) <= 6.0, "degrees a frame"
+    assert max(row.off for row in made) < 1e-3, "metres"
+    assert max(row.turned for row in made) < 1.0, "degrees"
+
+
+@pytest.mark.parametrize("blended", [False, True])
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_a_row_of_reaches_does_not_pop(name: str, blended: bool) -> None:
+    check(name, 3, 24, blended=blended)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("blended", [False, True])
+@pytest.mark.parametrize("seed", range(1, 9))
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_long_rows_of_reaches_do_not_pop(name: str, seed: int, blended: bool) -> None:
+    check(name, seed, 80, blended=blended)
