@@ -46,6 +46,7 @@ _LEAVES = 0.004  # and goes away by so many metres a frame, is let go of
 _NEWEST = 0.1  # of how fast it goes away that the newest frame makes
 _LETS_GO = 36  # frames
 _FASTEST, _GAINS = np.radians(2.0), np.radians(0.25)  # of the waist in a frame, and from one frame to the next
+_STARTS = 0.005  # metres a frame by which a hand that goes aside gains speed from one frame to the next
 _SOFTLY, _SOFTER, _TINY = 0.015, 0.3, 1e-6  # metres over which a hand is kept out of things; of its way to its place
 _COMES_TO_REST = 0.85  # of the speed against the body that the hand had: what is left of it a frame later
 
@@ -91,6 +92,7 @@ class Carried:
         then = (rotations, root) if before is None else before
         self._drift = (self._on_body - _on_body(self.reacher, *then))[:3]
         links = self.reacher.arm.from_pose(then[0][self.reacher.links])
+        self._aside, self._speed = np.zeros(3), np.zeros(3)
         self._tracking, self.short = Tracking(self.reacher, self._begun, links), 0.0
         self._waist, self._bends = self._spine, np.zeros(3)
         self._chest = seat(skeleton, *then)[1]
@@ -150,11 +152,19 @@ class Carried:
         wanted = lifted(start, self.palm, _FIRST, _LAST).at(np.array([time]))[0]
         wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
         palm = self._tracking.step(wanted, spine, time, near)
-        if near:
-            palm[:3] += self._out_of(near, rotations, root, palm)
+        palm[:3] += self._aside_by(self._out_of(near, rotations, root, palm) if near else np.zeros(3))
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
         out[reacher.links] = reacher.arm.into_pose(self._tracking.links)
         return out, np.append(palm, 1.0 - left), _importance(share)
+
+    def _aside_by(self, wanted: Array) -> Array:
+        """By how much the palm is aside now (3,), on its way to what is wanted (3,), its speed changing softly."""
+        off = wanted - self._aside
+        size = max(float(np.linalg.norm(off)), _TINY)
+        gain = min(1.0, np.sqrt(2.0 * _STARTS / size)) * off - self._speed
+        self._speed = self._speed + gain * min(1.0, _STARTS / max(float(np.linalg.norm(gain)), _TINY))
+        self._aside = self._aside + self._speed
+        return self._aside
 
     def _out_of(self, near: Sequence[Prism], rotations: Array, root: Array, palm: Array) -> Array:
         """By how much a palm (7,) goes aside for things (3,) that a hand with the fingers of a pose would be in there.

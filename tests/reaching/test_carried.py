@@ -12,6 +12,7 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.motion.smoothness import pops
 from ahmss.reaching.carried import Carried
 from ahmss.reaching.goal import Goal
+from ahmss.reaching.prism import Prism
 
 HUMAN = Skeleton.of(1.7)
 ROTATIONS, ROOT = HUMAN.relaxed()
@@ -66,3 +67,26 @@ def test_of_two_palms_as_easy_the_body_that_sways_does_not_take_now_this_now_tha
     turns = np.sign(np.diff(heading)[np.abs(np.diff(heading)) > 1e-6])
     assert len(np.flatnonzero(np.diff(turns))) == 0
     assert np.linalg.norm(off) < 0.005
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_hand_rises_over_what_it_would_be_in_and_is_there_in_the_end(side: str) -> None:
+    """A table under the place, whose top is higher than the way of the hand was half-way."""
+    place = ROOT + np.array([ON[0] * FRAMES + 0.4, 0.2 if side == "left" else -0.2, 0.05])
+    goal, y = Goal(place, around=np.array([0, 0, 0, 1.0, 0, 0, 0])), float(place[1])
+    ring = np.array([[0.55, y - 0.5], [2.0, y - 0.5], [2.0, y + 0.5], [0.55, y + 0.5]])
+    table = Prism(ring, 0.0, float(place[2]) - 0.08)
+    ways: list[Array] = []
+    for near in ([], [table]):
+        hand, given, way = Carried(HUMAN, goal, ROTATIONS, ROOT, [side]), ROTATIONS.copy(), list[Array]()
+        for k in range(FRAMES):
+            root = ROOT + (k + 1) * ON
+            given, target, _ = hand.step(given, root, (k + 1) / FRAMES, (FRAMES - k - 1) * ON, near)
+            way.append(target[:3])
+        ways.append(np.array(way))
+        assert np.linalg.norm(way[-1] - hand.palm[:3]) < 2e-3
+    risen = (ways[1] - ways[0])[:, 2]
+    assert risen.min() > -1e-3
+    assert risen.max() > 0.01
+    assert risen[0] < 1e-3
+    assert np.abs(np.diff(risen, n=2)).max() < 0.0101  # softly

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.smoothness import pops
 from ahmss.reaching.comfort import palms_at
+from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.tracking import Tracking, speed_towards
 
@@ -29,10 +32,10 @@ class Arm:
         self.tracking = Tracking(self.reacher, self.reacher.arm.from_pose(ROTATIONS[self.reacher.links]))
         self.links = [self.tracking.links]
 
-    def go(self, palm: Array, frames: int, time: float = 0.5) -> Array:
+    def go(self, palm: Array, frames: int, time: float = 0.5, near: Sequence[Prism] = ()) -> Array:
         """The palm (7,) that it has after so many frames."""
         for _ in range(frames):
-            had = self.tracking.step(palm, SEAT, time)
+            had = self.tracking.step(palm, SEAT, time, near)
             self.links.append(self.tracking.links)
         return had
 
@@ -41,6 +44,11 @@ class Arm:
         shoulder = self.reacher.shoulder(SEAT)
         place = shoulder + np.array([ahead, 0.0, up])
         return np.append(place, palms_at(shoulder, place, self.reacher.sign)[40])
+
+    def elbow(self) -> Array:
+        """Where the elbow is (3,), world."""
+        upper = multiply(SEAT[1], multiply(self.reacher.arm.rotation, self.tracking.links[0]))
+        return self.reacher.shoulder(SEAT) + self.reacher.arm.lengths[0] * rotate(upper, np.array([1.0, 0.0, 0.0]))
 
     @property
     def jerk(self) -> float:
@@ -108,3 +116,20 @@ def test_a_joint_gains_speed_and_brakes_as_told() -> None:
     assert 0.09 < max(turned) < 0.1 + 1e-9
     assert np.abs(np.diff(turned)).max() < 0.02 + 1e-9
     assert min(turned) > -0.05
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_elbow_swings_out_of_what_it_would_be_in(side: str) -> None:
+    """Beside it stands a block whose top is as high as the elbow hangs: it comes up, and the palm stays."""
+    free, arm = Arm(side), Arm(side)
+    palm = free.easy(0.3, -0.1)
+    free.go(palm, 150)
+    elbow = free.elbow()
+    low, high = elbow[:2] - 0.2, elbow[:2] + 0.2
+    ring = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
+    block = Prism(ring, 0.0, float(elbow[2]) - 0.02)
+    had = arm.go(palm, 150, near=[block])
+    assert block.signed(elbow) == pytest.approx(0.02)
+    assert block.signed(arm.elbow()) > 0.04
+    np.testing.assert_allclose(had[:3], palm[:3], atol=2e-3)
+    assert arm.jerk < 2.0
