@@ -39,7 +39,8 @@ HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
 _PERFORMED_IN = 4  # frames
 _AS_FAST = 1.03  # of the frames that a reach has: up to so many more would be no gain
-_SLOWEST = 2.2  # times as long as at ease
+_SLOWEST = 1.5  # times as long as at ease
+_GAINS = 0.97  # what a joint's speed comes to by being slower, at the most: else it is not the pace that makes it fast
 _HEAD_SECONDS = 0.3  # in which the gaze comes to its place, where the head does not turn far
 _HEAD_FASTEST = np.radians(270.0)  # a second: 4.5 degrees a frame at 60 Hz, which leave room for what the trunk adds
 _PEAK = 1.875  # of a minimum jerk's mean speed
@@ -142,7 +143,7 @@ def performed(
         then: palms (m, 7) of frames that follow; the reach takes the frames before them.
     """
     follow = 0 if then is None else len(then)
-    slower = 1.0
+    slower, before = 1.0, np.inf
     while True:
         first = gaze.frames + gaze.left(_PERFORMED_IN)
         length = max(task.length - follow - first, 1) if task.length else round(slower * plan.seconds * task.rate)
@@ -151,9 +152,10 @@ def performed(
         time = np.arange(1, length + 1) / length
         made = yield from gaze.until(first, perform(plan, time, gaze.place, looked, fingers, then))
         needed = max(made.plan.seconds * task.rate, length * made.fastest / AIMED) / length
-        if task.length or needed < _AS_FAST or slower >= _SLOWEST:
+        if task.length or needed < _AS_FAST or slower >= _SLOWEST or made.fastest > _GAINS * before:
             return made
         slower = min(length * needed / (made.plan.seconds * task.rate), _SLOWEST)
+        before = made.fastest if slower > 1.0 else np.inf
         plan = made.plan
 
 

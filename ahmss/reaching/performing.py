@@ -56,7 +56,7 @@ AIMED = 0.88 * FASTEST
 _DEEP, _FAST, _BEYOND = 0.01, np.radians(3.0), np.radians(5.0)  # metres in things, radians too fast and beyond limits
 _JUMPS = 10.0  # which are as bad as these
 _SWING = np.radians(4.5)  # of an elbow whose joints give way, in a frame at the most
-_GENTLE = np.radians(3.0)  # the same, where its joints turn too fast else
+_SLOWER = np.radians([4.5, 3.0])  # the same, where its joints turn too fast else
 _SOFTLY = 10  # frames
 _DETOUR = 3.0  # as a metre of way
 _RAISES, _HIGHER = 2, 0.07  # times, metres
@@ -77,7 +77,8 @@ class Performed:
 
     rotations (n, 43, 4): head and spine as before the gaze turns them, the arm as it fits after it. root (n, 3).
     importance (n, 44). targets (n, 5, 8): the hand all the way, planted feet, the gaze. jumps: whether the arm flipped.
-    fastest: radians that a joint of trunk, head or arm turns from one frame to the next at the most. flaw: how bad the
+    fastest: radians that a joint of trunk, head or arm turns from one frame to the next at the most, on the way: what
+    follows has its own pace. flaw: how bad the
     arm is on its way, in things, too fast or beyond its limits; 0: it is fine. plan: with the way that was taken, and
     no others.
     """
@@ -118,12 +119,12 @@ def perform(
         yield
         way = ways.pop(0) if ways else None
         arm = yield from _solved(way or best.plan.raised(_HIGHER), body, then)
-        before, best = best, min(best, arm, key=lambda one: one.flaw + _DETOUR * one.plan.curve.length)
+        before, best = best, min(best, arm, key=lambda one: one.strain + _DETOUR * one.plan.curve.length)
         if way is None:  # higher, for as long as that helps
             raises = 0 if best is before else raises - 1
     yield
     other = (yield from _other_arm(plan, body)) if plan.helped else None
-    return _performed(best, body, other, gaze, looked, fingers[0])
+    return _performed(best, body, other, gaze, looked, fingers[0], len(time))
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,20 +153,32 @@ class _Body:
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
-    """The plan that it follows, its links (F, 3, 4), the palms (F, 7) that it has, and the rest as of `Performed`."""
+    """The plan that it follows, its links (F, 3, 4), the palms (F, 7) that it has, and the rest as of `Performed`.
+
+    fastest is of all frames, paced of those on the way.
+    """
 
     plan: Plan
     links: Array
     palms: Array
     jumps: bool
     fastest: float
+    paced: float
     beyond: float
     deep: float = 0.0
 
     @property
     def flaw(self) -> float:
         """How bad it is, 0: it is fine."""
-        too_fast = max(self.fastest - FASTEST, 0.0)
+        return self._worse_than(FASTEST)
+
+    @property
+    def strain(self) -> float:
+        """The same by what is aimed at: of two ways one takes that which has less."""
+        return self._worse_than(AIMED)
+
+    def _worse_than(self, fastest: float) -> float:
+        too_fast = max(self.fastest - fastest, 0.0)
         return max(self.deep, 0.0) / _DEEP + too_fast / _FAST + self.beyond / _BEYOND + _JUMPS * self.jumps
 
 
@@ -212,14 +225,16 @@ def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> Steps[_Arm]:
         yield
         way = yielding(reacher.arm, wrist, present, _SWING)
     made = _along(plan, body, palms, way, n)
-    if made.fastest <= AIMED:
-        return made
-    yield
-    way = follow(reacher.arm, wrist, present, _GENTLE, _SOFTLY)
-    if way.jumps.any():
+    for step in _SLOWER:
+        if made.fastest <= AIMED:
+            break
         yield
-        way = yielding(reacher.arm, wrist, present, _GENTLE)
-    return min(made, _along(plan, body, palms, way, n), key=lambda one: one.flaw)
+        way = follow(reacher.arm, wrist, present, step, _SOFTLY)
+        if way.jumps.any():
+            yield
+            way = yielding(reacher.arm, wrist, present, step)
+        made = min(made, _along(plan, body, palms, way, n), key=lambda one: one.strain)
+    return made
 
 
 def _along(plan: Plan, body: _Body, palms: Array, way: Way, n: int) -> _Arm:
@@ -230,9 +245,10 @@ def _along(plan: Plan, body: _Body, palms: Array, way: Way, n: int) -> _Arm:
     if own.any():  # on the way a hand is turned as its joints allow, not as the shortest turn would have it
         palms = np.where(own[:, None], reacher.palm(links, body.spine), palms)
     links = handed_back(links, untwisted(begun)[1])
-    fastest = _fastest(np.concatenate([begun[None], links]))
+    moved = np.concatenate([begun[None], links])
+    fastest, paced = _fastest(moved), _fastest(moved[: n + 1])
     beyond = float(way.beyond[len(links) // 4 :].max())  # not where an arm begins beyond its limits
-    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), fastest, beyond)
+    return _Arm(plan, reacher.arm.into_pose(links), palms, bool(way.jumps.any()), fastest, paced, beyond)
 
 
 def _other_arm(plan: Plan, body: _Body) -> Steps[Array]:
@@ -244,7 +260,7 @@ def _other_arm(plan: Plan, body: _Body) -> Steps[Array]:
 
 
 def _performed(
-    arm: _Arm, body: _Body, other: Array | None, gaze: Array, looked: Array, fingers: list[int]
+    arm: _Arm, body: _Body, other: Array | None, gaze: Array, looked: Array, fingers: list[int], way: int
 ) -> Performed:
     plan, reacher, n = arm.plan, arm.plan.reacher, len(body.time)
     rotations, root = body.trunk.rotations, body.trunk.root
@@ -267,7 +283,7 @@ def _performed(
         if plan.standing is not None:
             importance[[0, 43, *_LEGS]] = 1.0
     importance = np.repeat(importance[None], n, axis=0)
-    fastest = max(arm.fastest, _fastest(body.seen[:, _TRUNK]))
+    fastest = max(arm.paced, _fastest(body.seen[:way, _TRUNK]))
     return Performed(rotations, root, importance, targets, arm.jumps, fastest, arm.flaw, replace(plan, others=()))
 
 
