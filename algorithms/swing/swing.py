@@ -7,8 +7,9 @@ So one pushes from one side and pulls from the other.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -21,6 +22,7 @@ from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.clear import first_clear
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.rolling import wrapped_at
 from ahmss.motion.easing import minimum_jerk
@@ -52,6 +54,9 @@ DIAMETER, INTO_FINGERS = 0.022, 0.0165  # metres: of a lever that does not say; 
 PALM, SKIN = 0.0065, 0.003  # metres that palm and fingers are thicker than they are told to be
 FISTS = 17  # angles of the leaf at which the fingers are closed about the lever
 OPENED = 0.5  # of an open hand: as far as the fingers are opened before the lever, with the leaf behind it
+# Ways onto the lever and off it, of which the first is gone that is clear of the door: metres by which the hand passes
+# farther out of the leaf, and seconds by which it is there longer.
+WAYS = tuple(product((0.0, 0.02, 0.04, 0.06, 0.09, 0.12), (0.0, 0.1, 0.2)))
 LONGEST = 0.336  # of stature: a step backwards or aside that is made without turning about
 TRIED = 53  # angles that are looked at in a frame
 EASY, STRETCH = 0.86, 40.0  # share of the arm's length up to which it costs nothing, and what a whole one costs
@@ -84,6 +89,10 @@ class Door:
         place = self.closed.apply(np.array([x + self.lever[0] - ARM, y, 0.0]))
         ahead = rotate(self.closed.rotation, np.array([np.cos(np.radians(heading)), np.sin(np.radians(heading)), 0.0]))
         return Goal(place[:2], float(np.arctan2(ahead[1], ahead[0])))
+
+    def leaf(self, angle: float) -> Transform:
+        """Its frame at an angle."""
+        return self.closed.then(Transform(np.zeros(3), from_axis_angle(UPWARD, np.array(angle))))
 
     def yaw(self, angle: Array) -> Array:
         """Radians (n) by which the palm is turned to the left from how it is squarely on the closed leaf, at angles."""
@@ -137,19 +146,24 @@ class Taking:
 
     def comes(self, stance: Stance) -> Part:
         """The hand comes to the lever and closes."""
-        comes, closes = _time(self.task, COMES), _time(self.task, CLOSES)
+        parts = [self._coming(stance, *way) for way in WAYS]
+        return self._clear(parts, self.door.angle, self._fist(np.zeros(1))[0])
+
+    def _coming(self, stance: Stance, out: float, later: float) -> Part:
+        comes, closes = _seconds(self.task, COMES + later), _seconds(self.task, CLOSES)
         n = len(comes) + len(closes)
-        way = minimum_jerk(np.concatenate([comes, np.ones(len(closes))]))
-        off = BEFORE * (1.0 - minimum_jerk((np.concatenate([comes, np.ones(len(closes))]) - 0.55) / 0.45))
-        on = self.door.palms(self.palm, np.full(n, self.door.angle), off)
+        at = np.concatenate([comes, np.full(len(closes), COMES + later)])
+        way = minimum_jerk(at / COMES)
+        off = 1.0 - minimum_jerk((at - 0.55 * COMES - later) / (0.45 * COMES))
+        on = self._off(self.door.angle, BEFORE * off, out * off)
         own = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
         places = own[:3] + minimum_jerk(way / 0.9)[:, None] * (on[:, :3] - own[:3])
         palms = np.concatenate([places, slerp(own[3:], on[:, 3:], minimum_jerk(way / 0.8))], axis=1)
         fist, wide = self._fist(np.zeros(1)), self._wide(0.0)
         shape = np.concatenate(
             [
-                slerp(stance.rotations[self.links], wide, minimum_jerk(comes / 0.6)[:, None]),
-                slerp(wide, fist, minimum_jerk(closes)[:, None]),
+                slerp(stance.rotations[self.links], wide, minimum_jerk(comes / (0.6 * COMES))[:, None]),
+                slerp(wide, fist, minimum_jerk(closes / CLOSES)[:, None]),
             ]
         )
         return _standing(self.task, stance, n), palms, shape, way
@@ -223,19 +237,41 @@ class Taking:
 
     def leaves(self, stance: Stance) -> Part:
         """The hand opens, comes off the lever, and hangs again."""
-        opens, leaves = _time(self.task, OPENS), _time(self.task, LEAVES)
+        parts = [self._leaving(stance, *way) for way in WAYS]
+        return self._clear(parts, self.door.wanted, self._fist(np.ones(1))[0])
+
+    def _leaving(self, stance: Stance, out: float, later: float) -> Part:
+        opens, leaves = _seconds(self.task, OPENS), _seconds(self.task, LEAVES + later)
         n = len(opens) + len(leaves)
         leaves = np.concatenate([np.zeros(len(opens)), leaves])
-        away = minimum_jerk((leaves - 0.2) / 0.8)
-        on = self.door.palms(self.palm, np.full(n, self.door.wanted), BACK * minimum_jerk(2.0 * leaves))
+        off = minimum_jerk(leaves / (0.5 * (LEAVES + later)))
+        away = minimum_jerk((leaves - 0.2 * LEAVES - later) / (0.8 * LEAVES))
+        on = self._off(self.door.wanted, BACK * off, out * off)
         hangs = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
         places = on[:, :3] + away[:, None] * (hangs[:3] - on[:, :3])
         palms = np.concatenate([places, slerp(on[:, 3:], hangs[3:], away)], axis=1)
-        open_by = minimum_jerk(np.concatenate([opens, np.ones(n - len(opens))]))
+        open_by = minimum_jerk(np.concatenate([opens / OPENS, np.ones(n - len(opens))]))
         shape = slerp(self._fist(np.ones(1)), self._wide(1.0), open_by[:, None])
-        shape = slerp(shape, self._wide(1.0, opened_by=1.0), minimum_jerk(leaves / 0.4)[:, None])
-        shape = slerp(shape, self.at_ease, minimum_jerk((leaves - 0.4) / 0.5)[:, None])
+        shape = slerp(shape, self._wide(1.0, opened_by=1.0), minimum_jerk(leaves / (0.4 * LEAVES))[:, None])
+        shape = slerp(shape, self.at_ease, minimum_jerk((leaves - later - 0.4 * LEAVES) / (0.5 * LEAVES))[:, None])
         return _standing(self.task, stance, n), palms, shape, 1.0 - away
+
+    def _off(self, angle: float, back: Array, out: Array) -> Array:
+        """Palms (n, 7) at an angle of the leaf, metres (n) back from the lever and metres (n) farther out of it."""
+        palms = self.door.palms(self.palm, np.full(len(back), angle), back)
+        palms[:, :3] += out[:, None] * rotate(self.door.leaf(angle).rotation, np.array([0.0, self.door.side, 0.0]))
+        return palms
+
+    def _clear(self, parts: Sequence[Part], angle: float, fist: Array) -> Part:
+        """Of ways onto the lever or off it the first on which no finger is in the door."""
+        thing = self.task.object
+        if thing is None or thing.shape is None:
+            return parts[0]
+        seen = self.door.leaf(angle).inverse()
+        hand, field = Hand.of(self.task.human, self.door.hand), thing.shape.field(self.door.lever)
+        ways = [(seen.then(Transform.of(palms)).row(), shape) for _, palms, shape, _ in parts]
+        held = seen.then(Transform.of(self._off(angle, np.zeros(1), np.zeros(1))[0])).row()
+        return parts[first_clear(hand, field, ways, (held, fist))]
 
     def brought(self, rows: Array, palms: Array, shape: Array, bends: Array) -> Array:
         """Frames (n, 260) in which the arm brings the palm there, the elbow as its joints allow and without a jump."""
@@ -269,10 +305,10 @@ def _softly(share: Array) -> Array:
     return soft + (1.0 - soft) * minimum_jerk((time - 1.0 + EDGE) / EDGE)
 
 
-def _time(task: HumanTask, seconds: float) -> Array:
-    """Shares of a time, frame by frame (n), the last is 1."""
+def _seconds(task: HumanTask, seconds: float) -> Array:
+    """Seconds from the beginning, frame by frame (n)."""
     n = round(seconds * task.rate)
-    return np.arange(1, n + 1) / n
+    return seconds * np.arange(1, n + 1) / n
 
 
 def _door(task: HumanTask) -> Door:

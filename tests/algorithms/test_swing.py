@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.bench.solids import Solids
 from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
@@ -24,6 +25,7 @@ from .reached import outlined
 from .scene import DOOR, WORKSPACE, Body, program
 from .solids import JAMBS, LEAF, deepest
 
+SOLIDS = Solids(WORKSPACE)
 UP = np.array([0.0, 0.0, 1.0])
 WIDE = 1.3
 PASSES = 0.55  # metres that a human needs
@@ -112,6 +114,28 @@ def test_the_hand_is_on_the_lever_while_the_leaf_turns_softly(name: str, action:
     bent = np.degrees(2.0 * np.arccos(np.clip(np.abs(rotations[:, INDEX["spine"], 0]), 0.0, 1.0)))
     assert bent.max() < 20.0
     assert worst_pop(rotations[1:]).degrees < 5.0
+
+
+@pytest.mark.parametrize(
+    ("name", "action", "at", "facing"),
+    [
+        ("ken", "close", BEFORE, 90.0), ("ken", "open", BEHIND, -90.0), ("ken", "close", BEHIND, -120.0),
+        ("aiko", "close", BEFORE, 70.0),
+    ],
+)  # fmt: skip
+def test_fingers_come_to_the_lever_and_leave_it_beside_lever_and_leaf(
+    name: str, action: str, at: Array, facing: float
+) -> None:
+    made = swung(name, action, at, facing)
+    turns = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4)
+    skin = Skin.read(WORKSPACE.humans.shape(name).glb, made.body.skeleton)
+    chosen = np.flatnonzero(np.isin(skin.link, [INDEX["right_hand"], *fingers("right")]))
+    frames = [*range(turns[0] - 60, turns[0]), *range(turns[-1], len(made.shown))]
+    depths: list[float] = []
+    for k in frames:
+        points = skin.posed(made.shown[k].rotations, made.shown[k].root, chosen)
+        depths.append(float(SOLIDS.depth("door", made.leaf(k).row(), {}, points).max()))
+    assert max(depths) < 0.003, frames[int(np.argmax(depths))] - len(made.shown)
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])
