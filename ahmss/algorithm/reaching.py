@@ -28,12 +28,12 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.steps import Steps
 
-__all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "refuse_far", "sides_of"]
+__all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "refuse_far", "sides_of", "tell_missed"]
 
 Worked = TypeVar("Worked")
 _HEAD = INDEX["head"]
-MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for, and told of
-_TOLD = 0.003  # metres
+MOST_MISSING = 0.03  # metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of
+_TOLD = 0.001  # metres
 _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
@@ -119,12 +119,13 @@ def planned(
     reacher = yield from gaze.during(reaching.better_side(goal, sides, prisms))
     yield from gaze.if_there_is_time()
     posture, palm, arm = yield from gaze.during(reaching.posture(reacher, goal, prisms))
-    refuse_far(task, reacher.side, arm)
+    refuse_far(reacher.side, arm)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])
     yield from gaze.if_there_is_time()
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
     plan = yield from gaze.during(reaching.way(reacher, (posture, palm, arm), goal.place, prisms, looked))
+    tell_missed(task, plan, palm)
     yield from gaze.if_there_is_time()
     return plan
 
@@ -159,16 +160,25 @@ def performed(
         plan = made.plan
 
 
-def refuse_far(task: HumanTask, side: str, arm: Stretch) -> None:
-    """Refuse what is out of reach rather than stretch for it in the air; tell by how much the hand stops short.
+def refuse_far(side: str, arm: Stretch) -> None:
+    """Refuse what is out of reach rather than stretch for it in the air.
 
     Raises:
         AlgorithmError: says by how much.
     """
+    if arm.missing > MOST_MISSING and arm.folded:
+        by = f"{arm.missing:.2f} m"
+        raise AlgorithmError(f"that is {by} nearer to the {side} shoulder than its elbow bends; use the other hand")
     if arm.missing > MOST_MISSING:
         raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; stand nearer to it")
-    if arm.missing > _TOLD:
-        task.note(f"the {side} hand stops {1000.0 * arm.missing:.0f} mm short of it, as far as the arm goes")
+
+
+def tell_missed(task: HumanTask, plan: Plan, palm: Array) -> None:
+    """Tell by how much the hand stops short of a palm (7,), as near as the arm comes to it."""
+    missed = float(np.linalg.norm(plan.palm[:3] - palm[:3]))
+    if missed > _TOLD:
+        goes = "as far as the elbow bends" if plan.arm.folded else "as far as the arm goes"
+        task.note(f"the {plan.reacher.side} hand stops {1000.0 * missed:.0f} mm short of it, {goes}")
 
 
 class Looking:

@@ -18,7 +18,7 @@ from ahmss.body.arm_cases import elbow
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate
 
-__all__ = ["HAND", "SHOULDER", "Swing", "allowed", "elbow_side", "limits_of", "nearest_swing", "swing_of"]
+__all__ = ["HAND", "SHOULDER", "Swing", "allowed", "elbow_side", "limits_of", "nearest_swing", "shortest", "swing_of"]
 
 SHOULDER = slice(0, 3)
 """Of the measured angles, the shoulder's."""
@@ -85,11 +85,9 @@ def swing_of(arm: Arm, wrist: Wrist, side: Array) -> Swing:
     """
     distance = np.linalg.norm(wrist.place, axis=-1)
     L1, L2 = arm.lengths
-    most = min(max(float(arm.limits[1, 1, 1]), 0.0), np.pi)
-    shortest = np.sqrt(max(L1**2 + L2**2 + 2.0 * L1 * L2 * np.cos(most), 0.0))
-    reach = np.clip(distance, shortest, L1 + L2)
+    reach = np.clip(distance, shortest(arm), L1 + L2)
     bend, _ = elbow(arm.lengths, reach)
-    bend = np.minimum(bend, most)
+    bend = np.minimum(bend, _most_bent(arm))
     line = np.where(distance[..., None] < _TINY, np.array([1.0, 0.0, 0.0]), wrist.place)
     line = line / np.linalg.norm(line, axis=-1, keepdims=True)
     outward = _square_to(line, side)
@@ -100,6 +98,12 @@ def swing_of(arm: Arm, wrist: Wrist, side: Array) -> Swing:
     y = np.cross(outward, line)
     axes: Any = np.stack([x, y, np.cross(x, y)], axis=-1)
     return Swing(line, bend, distance - reach, from_matrix(axes), wrist.rotation)
+
+
+def shortest(arm: Arm) -> float:
+    """Metres between shoulder and wrist where the elbow is bent as far as it goes."""
+    L1, L2 = arm.lengths
+    return float(np.sqrt(max(L1**2 + L2**2 + 2.0 * L1 * L2 * np.cos(_most_bent(arm)), 0.0)))
 
 
 def elbow_side(line: Array, upper: Array) -> Array:
@@ -171,6 +175,10 @@ def nearest_swing(arcs: Array, phi: Array) -> tuple[Array, Any]:
     best = np.argmin(distance, axis=-1)[..., None]
     found: Any = np.isfinite(np.take_along_axis(distance, best, axis=-1)[..., 0])
     return np.where(found, phi + np.take_along_axis(moved, best, axis=-1)[..., 0], phi), found
+
+
+def _most_bent(arm: Arm) -> float:
+    return min(max(float(arm.limits[1, 1, 1]), 0.0), np.pi)
 
 
 def _half_waves(q0: Array, q1: Array) -> list[Array]:

@@ -30,7 +30,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def discomfort(reacher: Reacher, grip: Array, spine: tuple[Array, Array], present: Array) -> tuple[Array, Any, Array]:
-    """What palms (..., 7) cost an arm, whether its joints can take them, and the metres by which it is too short.
+    """What palms (..., 7) cost an arm, whether its joints can take them, and the metres that they are too far or near.
 
     Args:
         reacher: the arm.
@@ -56,12 +56,12 @@ def solved(reacher: Reacher, grip: Array, spine: tuple[Array, Array], present: A
 def _swung(
     reacher: Reacher, grip: Array, spine: tuple[Array, Array], present: Array
 ) -> tuple[Array, Array, Any, Array]:
-    """Links (..., 3, 4), the elbow's swing (...), whether the joints allow it, metres that the arm is too short."""
+    """Links (..., 3, 4), the elbow's swing (...), whether the joints allow it, metres too far or near."""
     arm, wrist = reacher.arm, reacher.wrist(grip, spine)
     links = np.broadcast_to(present, (*wrist.place.shape[:-1], 3, 4))
     swing = swing_of(arm, wrist, present_side(arm, links, wrist.place))
     phi, found = nearest_swing(allowed(swing.measures(), limits_of(arm)), np.zeros(swing.bend.shape))
-    return swing.links(phi), phi, found, np.maximum(swing.missing, 0.0)
+    return swing.links(phi), phi, found, np.abs(swing.missing)
 
 
 def across(reacher: Reacher, place: Array, shoulder: Array, heading: float) -> float:

@@ -37,6 +37,8 @@ _MOST_TURN, _ADVANCE, _ASIDE = np.radians(60.0), np.radians(15.0), np.radians(80
 _EFFORT = np.array([0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2])
 _KNEES, _LOW = 4.0, (0.25, 0.4)  # a metre of bent knees for what is not low; low ends so high, metres, and over so many
 _EASY, _TOO_FAR, _ARM, _INSIDE, _LIMIT = 4.0, 600.0, 0.15, 400.0, 3000.0
+_HALF = 0.5
+_ROOM, _NOTHING = 0.02, 1e-6  # of the arm's length, by which an arm is to be less than bent altogether; metres
 _TRUNK = ("hips", "spine", "head", "right_lower_leg", "left_lower_leg")
 _THICK = np.array([0.10, 0.10, 0.09, 0.05, 0.05])  # metres
 _AT_ONCE, _KEPT = 24, 24  # palms whose skin is looked at together; that are tried in other postures too
@@ -45,12 +47,17 @@ _LEGS = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upp
 
 @dataclass(frozen=True)
 class Stretch:
-    """How an arm is in a posture: what it costs, whether its joints allow it, metres that it is too short, stretch."""
+    """How an arm is in a posture: what it costs, whether its joints allow it, metres too short or too long, stretch."""
 
     cost: float
     found: bool
     missing: float
     stretched: float
+
+    @property
+    def folded(self) -> bool:
+        """Whether it is rather too long than too short."""
+        return self.stretched < _HALF
 
 
 def posture_for(
@@ -67,7 +74,7 @@ def posture_for(
     """
     posture = standing.base
     order, arm = yield from _easiest(reacher, palms, posture, present, prisms)
-    if arm.found and arm.stretched <= EASY:
+    if arm.found and arm.stretched <= EASY and arm.missing <= _NOTHING:
         return posture, order[0], arm
     kept = np.array(order[:_KEPT])
     low = reacher.hand(palms[order[0]])[0][2] < sum(_LOW)
@@ -157,6 +164,7 @@ def _least(
     cost += _KNEES * np.clip((wrist[2] - _LOW[0]) / _LOW[1], 0.0, 1.0) * grid[:, 2]
     stretched = np.linalg.norm(wrist - reacher.shoulder(spine), axis=-1) / reacher.length
     cost += _EASY * np.maximum(stretched - EASY, 0.0) ** 2 + _TOO_FAR * np.maximum(stretched - STRETCHED, 0.0) ** 2
+    cost += _TOO_FAR * np.maximum(reacher.shortest / reacher.length + _ROOM - stretched, 0.0) ** 2
     cost += _ARM * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
     cost += _LIMIT * _beyond(skeleton, seen) ** 2
     if prisms:

@@ -30,7 +30,7 @@ __all__ = ["HAND_BY", "Found", "Plan", "Reaching"]
 _SPINE = INDEX["spine"]
 _SAMPLES = 20  # of the trunk along the way
 _ENOUGH = 40  # palms by which one sees which arm comes there more easily
-_STRAIGHT = 0.998  # of the arm's length, which is as far as it is stretched
+_STRAIGHT, _BENT = 0.998, 1.002  # of an arm's length and of what it is bent altogether: no farther, no nearer
 _STRETCH = 25.0  # what an arm's length beyond what is easy costs
 HAND_BY = 0.95
 """The share of the time by which the hand is there where the trunk helps: that begins with it and ends last."""
@@ -199,12 +199,12 @@ class Reaching:
         return grips(self.skeleton, begun, self.start.root)
 
     def _in_reach(self, reacher: Reacher, end: Posture, palm: Array, gaze: Array) -> Array:
-        """The palm (7,), or as near to it as the arm comes without being stretched out altogether."""
+        """The palm (7,), or as near to it as the arm comes without being stretched out or bent altogether."""
         seen = looking(self.skeleton, end.rotations, end.root, gaze)
         off = reacher.hand(palm)[0] - reacher.shoulder(seat(self.skeleton, seen, end.root))
         distance = float(np.linalg.norm(off))
-        short = max(distance - _STRAIGHT * reacher.length, 0.0)
-        return np.concatenate([palm[:3] - short / max(distance, 1e-9) * off, palm[3:]])
+        kept = min(max(distance, _BENT * reacher.shortest), _STRAIGHT * reacher.length)
+        return np.concatenate([palm[:3] + (kept - distance) / max(distance, 1e-9) * off, palm[3:]])
 
 
 def _angle(a: Array, b: Array) -> float:

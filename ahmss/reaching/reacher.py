@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ahmss.body.arm import Arm, Wrist, wrist_of
+from ahmss.body.arm_swing import shortest
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
@@ -50,6 +51,11 @@ class Reacher:
     def length(self) -> float:
         """From shoulder to wrist, metres."""
         return float(self.arm.lengths.sum())
+
+    @property
+    def shortest(self) -> float:
+        """The same of an elbow bent as far as it goes."""
+        return shortest(self.arm)
 
     def hand(self, grip: Array) -> tuple[Array, Array]:
         """The hand link's place (..., 3) and rotation (..., 4) for palms (..., 7) in the world."""

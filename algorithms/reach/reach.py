@@ -18,11 +18,12 @@ from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.motion.fingers import opened
-from ahmss.reaching.goal import turned_otherwise
-from ahmss.reaching.performing import Fingers
+from ahmss.reaching.goal import Goal, turned_otherwise
+from ahmss.reaching.performing import Fingers, Performed
 from ahmss.reaching.plan import Reaching
 
 FLAW = 2.0  # of the arm on its way, from where on another turn of the palm is tried
+TOLD = 1.0, 1.0  # millimetres, degrees
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
 
@@ -49,7 +50,18 @@ def _standing(task: HumanTask) -> Iterator[Array]:
             made = again
         elif made.looked < 1.0:  # the eyes have gone on since it was made
             made = yield from performed(task, reaching, made.plan, gaze, _shape(task, side))
+    _tell_turned(task, goal, made)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _tell_turned(task: HumanTask, goal: Goal, made: Performed) -> None:
+    """Tell how far the palm is from where it was to be, where wrist and forearm do not turn so far."""
+    asked, palm = made.plan.palm, made.targets[-1, made.plan.reacher.row, :7]
+    off = 1000.0 * float(np.linalg.norm(palm[:3] - asked[:3]))
+    turned = float(np.degrees(2.0 * np.arccos(min(1.0, abs(float(palm[3:] @ asked[3:]))))))
+    if off > TOLD[0] or (goal.rotation is not None and turned > TOLD[1]):
+        told = f"the {made.plan.reacher.side} wrist does not turn so far: the palm is {off:.0f} mm"
+        task.note(f"{told} and {turned:.0f} degrees from what was asked")
 
 
 def _shape(task: HumanTask, side: str) -> Fingers:

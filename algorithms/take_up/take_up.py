@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, refuse_far, sides_of
+from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, refuse_far, sides_of, tell_missed
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.kinematics import forward
@@ -143,9 +143,10 @@ def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> It
             chosen = palms[[int(cost.argmin())]]
         yield
         found = yield from reaching.posture(reacher, Goal(place, palms={side: chosen}), prisms)
-        refuse_far(task, side, found[2])
+        refuse_far(side, found[2])
         yield
         plan = yield from reaching.way(reacher, found, place, prisms, 0.0)
+        tell_missed(task, plan, found[1])
         length = round(plan.seconds * task.rate)
         time, looked = np.arange(1, length + 1) / length, minimum_jerk(np.arange(1, length + 1) / (0.3 * task.rate))
         brought = yield from perform(plan, time, place, looked)

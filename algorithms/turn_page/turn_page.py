@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
-from ahmss.algorithm.reaching import Looking, performed, refuse_far
+from ahmss.algorithm.reaching import Looking, performed, refuse_far, tell_missed
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate, slerp
@@ -90,10 +90,11 @@ def _planned(
         found.append((float(cost.min()), int(cost.argmin()), along))
     _, best, along = min(found)
     which, arm = yield from gaze.during(stretch_of(reacher, palms[best : best + 1], start, present, []))
-    refuse_far(task, side, arm)
+    refuse_far(side, arm)
     palm = palms[best + which] + np.append(off, np.zeros(4))
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
     plan = yield from gaze.during(reaching.way(reacher, (start, palm, arm), gaze.place, [], looked))
+    tell_missed(task, plan, palm)
     return plan, along
 
 

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
 from ahmss.algorithm.messages import Goal
 from ahmss.algorithm.performance import Performance
 from ahmss.body.inverse import GAZE, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND, grips, solve
@@ -18,6 +18,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 from ahmss.motion.quality import beyond_limits
 from ahmss.motion.smoothness import pops, worst_pop
+from ahmss.reaching.reacher import Reacher, seat
 
 from .scene import CUP, FLOOR, TELEVISION, Body, frame_of, program
 
@@ -96,6 +97,47 @@ def test_what_is_out_of_reach_is_refused_with_the_distance(x: float, missing: st
     start = Body(facing=0.0).start(FLOOR, "stand", **FREE, goal=Goal(place=(x, 0.0, 1.2)))
     with pytest.raises(AlgorithmError, match=rf"arm is {missing} m too short"):
         list(frames(program("reach"), start))
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("rotation", [None, (1.0, 0.0, 0.0, 0.0)])
+def test_what_is_nearer_than_the_elbow_bends_is_reached_all_the_same(
+    name: str, rotation: tuple[float, float, float, float] | None
+) -> None:
+    """Another turn of the palm has the wrist farther away; where the palm is told, the trunk goes back."""
+    body = Body(name, facing=0.0)
+    arm = Reacher.of(body.skeleton, "left")
+    place = arm.shoulder(seat(body.skeleton, body.rotations, body.root)) + np.array([0.06, 0.05, -0.05])
+    goal = Goal(place=(float(place[0]), float(place[1]), float(place[2])), rotation=rotation)
+    body.do("reach", body.start(FLOOR, "stand", **(FREE | {"hand": "left"}), goal=goal))
+    np.testing.assert_allclose(body.grip(1).place, place, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("goal", "told"),
+    [
+        (Goal(place=(0.4, 0.2, 1.2), rotation=(0.5, 0.5, 0.5, 0.5)), "wrist does not turn so far"),
+        (Goal(place=(0.4, 0.2, 1.2)), ""),
+    ],
+)
+def test_a_palm_that_ends_elsewhere_is_told_with_how_far(goal: Goal, told: str) -> None:
+    body, notes = Body(facing=0.0), list[str]()
+    run = program("reach")
+
+    def noted(task: HumanTask):
+        yield from run(task)
+        notes.extend(task.notes)
+
+    start = body.start(FLOOR, "stand", **(FREE | {"hand": "left"}), goal=goal)
+    last = list(frames(noted, start))[-1]
+    off = 1000.0 * float(np.linalg.norm(last.targets[LEFT_HAND, :3] - np.array(goal.place)))
+    if told:
+        (note,) = notes
+        assert told in note
+        assert float(note.split(" mm")[0].rpartition(" ")[2]) == pytest.approx(off, abs=0.5)
+    else:
+        assert not notes
+        assert off < 1.0
 
 
 def test_knees_bend_for_what_is_low() -> None:
