@@ -12,12 +12,11 @@ import numpy as np
 
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.task import HumanTask
-from ahmss.body.arm import Wrist, hand_angles, with_hand, wrist_of
-from ahmss.body.arm_choice import present_side
-from ahmss.body.arm_swing import HAND, limits_of, swing_of
+from ahmss.body.arm import wrist_of
 from ahmss.body.array import Array
-from ahmss.body.quaternion import align, conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
+from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 from ahmss.reaching.aside import Aside
+from ahmss.reaching.moved_hand import with_hand_moved
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import skin_of
@@ -46,7 +45,6 @@ class GivingWay:
         self._task, self._reacher = task, Reacher.of(task.human, side)
         self._things = Things(task)
         self._aside = Aside(task.rate)
-        self._limits = limits_of(self._reacher.arm)[HAND]
         self._held = _points_of(task, side)
         self._seat: tuple[Array, Array] | None = None
         self._speed, self._spin = np.zeros(3), np.zeros(3)
@@ -82,15 +80,7 @@ class GivingWay:
         moved = self._aside.step(near, ahead, np.tile(radii, len(_AHEAD)))
         if self._aside.still:
             return rotations[reacher.links]
-        wrist = Wrist(wrist.place + rotate(conjugate(turn), moved), wrist.rotation)
-        return align(reacher.arm.into_pose(self._brought(links, wrist)), rotations[reacher.links])
-
-    def _brought(self, links: Array, wrist: Wrist) -> Array:
-        """The arm's links (3, 4), which are others (3, 4) by rights, with the wrist there."""
-        arm = self._reacher.arm
-        made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(np.zeros(()))
-        held, (low, high) = hand_angles(links), self._limits.T  # it may be held beyond a limit
-        return with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
+        return with_hand_moved(reacher, rotations, root, moved)
 
     def _follow(self, spine: tuple[Array, Array]) -> None:
         """Take in how the trunk moves."""

@@ -1,7 +1,7 @@
 """Arms of who walks are drawn in where their swing would take a hand through a thing beside the way.
 
 A hand that hangs beside a counter comes up before the belly, as people do who pass or turn close by, and goes down
-again when there is room.
+again when there is room; what would still be in a thing, on the way there too, is moved aside.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ahmss.algorithm.hanging import Hanging
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.arm import Arm, hand_angles, with_hand
@@ -51,6 +52,7 @@ class Tucking:
         self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
         self._sides = [side for side in _SIDES if side not in task.busy]
         self._prisms = prisms_of(task)
+        self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
         self._level = {side: np.zeros(3) for side in _SIDES}
         self._wanted = dict.fromkeys(_SIDES, first > 0)
         self._frames = 0
@@ -63,20 +65,23 @@ class Tucking:
         self._given = rows[-1, 4:176].reshape(43, 4)
         begun, self._frames = self._frames, self._frames + len(rows)
         near = _about(self._prisms, root)
-        if not near and max(float(level.max()) for level in self._level.values()) < _NONE:
+        drawn_in = max(float(level.max()) for level in self._level.values()) >= _NONE
+        if not near and not drawn_in and all(arm.still for arm in self._hanging.values()):
             return rows
         made, out = rows.copy(), rotations.copy()
         places, turned = forward(rotations, root, self._skeleton.offsets)
         for side in self._sides:
             if side in others:
                 self._level[side][:] = 0.0
+                self._hanging[side].forget()
                 continue
             gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
             share = np.array(self._levels(side, gap, begun))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
             end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
-            made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
             out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
+            share = np.maximum(share, self._hanging[side].over(near, out, root))
+            made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
         made[:, 4:176] = out.reshape(-1, 172)
         self._given = out[-1]
         return made

@@ -1,0 +1,75 @@
+"""An arm that hangs, or is drawn in, while one walks is moved aside where it would still be in a thing.
+
+The way is known to the end of a step: the hand is moved as far as the skin of forearm, hand and fingers takes, sooner
+than it would be there, and back again (`ahmss.reaching.aside`). The upper arm goes with the shoulder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ahmss.body.array import Array
+from ahmss.body.skeleton import Skeleton
+from ahmss.reaching.aside import AIR, Aside
+from ahmss.reaching.moved_hand import with_hand_moved
+from ahmss.reaching.prism import Prism, clearance
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import skin_of
+
+__all__ = ["Hanging"]
+
+_AHEAD = (0, 4, 8, 12, 16)  # frames that are looked at
+_AIR = 0.010  # metres of air that are kept: a hand that hangs has a hip beside it
+_DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
+_ALL = 0.04  # metres aside at which it counts in full
+
+
+class Hanging:
+    """One arm, from piece to piece of a walk.
+
+    Args:
+        skeleton: whose. side: "right" or "left". rate: frames a second.
+    """
+
+    def __init__(self, skeleton: Skeleton, side: str, rate: float) -> None:
+        self._reacher, self._rate = Reacher.of(skeleton, side), rate
+        self._aside = Aside(rate)
+
+    @property
+    def still(self) -> bool:
+        """Whether it is moved nowhere."""
+        return self._aside.still
+
+    def forget(self) -> None:
+        """The arm is another motion's now."""
+        self._aside = Aside(self._rate)
+
+    def over(self, prisms: Sequence[Prism], rotations: Array, root: Array) -> Array:
+        """Put the arm of poses (n, 43, 4), (n, 3) where no skin is in things; how far it is aside (n,), 0 to 1."""
+        shares = np.zeros(len(rotations))
+        points, radii = skin_of(self._reacher, rotations, root)
+        points = _gone_on(points)
+        radii = radii + (_AIR - AIR)
+        room = float(radii.max()) + AIR
+        gap = (clearance(prisms, points, room) - radii).min(axis=-1) - AIR if prisms else np.full(len(points), np.inf)
+        for k in range(len(shares)):
+            ahead = k + np.array(_AHEAD)
+            if self.still and gap[ahead].min() > 0.0:
+                continue
+            in_the_way = [
+                prism
+                for prism in prisms
+                if not prism.over(root[k, None])[0] and clearance([prism], points[k] + self._aside.moved).min() > -_DEEP
+            ]
+            moved = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
+            rotations[k, self._reacher.links] = with_hand_moved(self._reacher, rotations[k], root[k], moved)
+            shares[k] = min(float(np.linalg.norm(moved)) / _ALL, 1.0)
+        return shares
+
+
+def _gone_on(points: Array) -> Array:
+    """Points (n, m, 3), and what comes after them if they go on as they do."""
+    speed = points[-1] - points[-2] if len(points) > 1 else np.zeros(points.shape[1:])
+    return np.concatenate([points, points[-1] + np.arange(1, _AHEAD[-1] + 1)[:, None, None] * speed])
