@@ -141,6 +141,7 @@ class Blending:
             present = tuple(np.where(lost[:, None], s, p) for s, p in zip(self._shown, self._plain, strict=True))
             for rotations in present:
                 self._inertialiser.rotations.settle(rotations)
+            self._plain = present  # a change in the next frame goes on from here too
         self._source = np.where(joints[:, None], present[1], self._source)
 
     def _smooth(self, targets: Array, ends: Rows) -> Array:

@@ -139,6 +139,26 @@ def test_a_limb_that_loses_its_target_goes_back_without_a_jump(blending: Blendin
     assert np.abs(blending.rotations - ROTATIONS).max() < 1e-6
 
 
+def test_limbs_that_lose_their_targets_one_after_the_other_stay_where_they_are_seen(blending: Blending) -> None:
+    """A hand stands still on its target, then a motion holds it there without one, then another motion's hand goes."""
+    right, left = blending.grips.copy()
+    right[:3] += [0.2, 0.0, 0.25]
+    left[:3] += [0.2, 0.0, 0.25]
+    arm = {"right_upper_arm": 1.0, "right_lower_arm": 1.0, "right_hand": 1.0}
+    other = with_target(row(left_hand=1.0), 1, left)
+    settle(blending, with_target(row(**arm), 0, right), other)
+    stood = blending.grips[0, :3].copy()
+    held = row(**arm)
+    held[4:176] = blending.rotations.reshape(172)
+    holds, gone = Contribution(3, held), Contribution(2, row(left_hand=1.0))
+    again = Contribution(4, held.copy())
+    blending.step([holds, Contribution(2, other)])
+    blending.step([again, gone])
+    for _ in range(40):
+        blending.step([again, gone])
+        assert np.abs(blending.grips[0, :3] - stood).max() < 0.002
+
+
 def test_a_gaze_that_goes_on_is_not_solved_twice_when_another_motion_joins(blending: Blending) -> None:
     place = np.array([1.0, 0.8, 1.3, 0.0, 0.0, 0.0, 0.0])
     first = with_target(row(head=0.2, spine=0.2), 4, place, 0.5)
