@@ -31,7 +31,7 @@ _ROUNDING = 1e-7  # radians
 _KEEPS = np.radians(2.0)  # from a limit, that are kept where that costs nothing
 
 
-def yielding(arm: Arm, wrist: Wrist, present: Array, step: float) -> Way:
+def yielding(arm: Arm, wrist: Wrist, present: Array, step: float, softly: int = 0) -> Way:
     """One arm along a path of wrist poses (F, 3), (F, 4) that begins at the present links (3, 4).
 
     Args:
@@ -39,10 +39,11 @@ def yielding(arm: Arm, wrist: Wrist, present: Array, step: float) -> Way:
         wrist: in the shoulder frame.
         present: the links of the frame before the path's first.
         step: the most that the elbow swings from frame to frame, radians.
+        softly: how many frames it takes until the elbow may swing so fast.
     """
     swing = swing_of(arm, wrist, carried_sides(arm, wrist.place, present))
     measures, limits = swing.measures(), begun_at(limits_of(arm), present, np.arange(float(len(wrist.place))))
-    phi = _smooth(_chosen(measures, limits, step), len(swing.bend))
+    phi = _begun(_smooth(_chosen(measures, limits, step), len(swing.bend)), softly)
     phi = _ended(phi, measures, limits)
     links = swing.links(phi)
     angles, hand = hand_angles(links), limits[:, HAND]
@@ -96,6 +97,13 @@ def _smooth(chosen: tuple[Any, Array], frames: int) -> Array:
     soft = gaussian_filter1d(rough, max(_SOFT * every, 1.0), mode="nearest")
     pinned = np.linspace(1.0, 0.0, frames + 1) * soft[0]  # at 0 before the first
     return (soft - pinned)[1:]
+
+
+def _begun(phi: Array, softly: int) -> Array:
+    """Swings (F,) that begin softly and are late at first, by half of so many frames; in time with the last frame."""
+    frames = np.arange(1.0, len(phi) + 1.0)
+    late = np.cumsum(np.minimum(frames / (softly + 1.0), 1.0))
+    return np.interp(late * len(phi) / late[-1], np.arange(len(phi) + 1.0), np.concatenate([[0.0], phi]))
 
 
 def _ended(phi: Array, measures: Array, limits: Array) -> Array:

@@ -223,7 +223,7 @@ def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> Steps[_Arm]:
     way = follow(reacher.arm, wrist, present, softly=_SOFTLY)
     if way.jumps.any():
         yield
-        way = yielding(reacher.arm, wrist, present, _SWING)
+        way = yielding(reacher.arm, wrist, present, _SWING, _SOFTLY)
     made = _along(plan, body, palms, way, n)
     for step in _SLOWER:
         if made.fastest <= AIMED:
@@ -232,7 +232,7 @@ def _reached(plan: Plan, body: _Body, palms: Array, n: int) -> Steps[_Arm]:
         way = follow(reacher.arm, wrist, present, step, _SOFTLY)
         if way.jumps.any():
             yield
-            way = yielding(reacher.arm, wrist, present, step)
+            way = yielding(reacher.arm, wrist, present, step, _SOFTLY)
         made = min(made, _along(plan, body, palms, way, n), key=lambda one: one.strain)
     return made
 

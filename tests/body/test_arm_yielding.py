@@ -73,3 +73,15 @@ def test_an_arm_that_begins_beyond_a_limit_comes_back_without_a_leap():
         assert excess(KEN, way.links)[-1] < 1e-7
         assert angle(way.links[-1, 0], inside[0]).max() < np.radians(90.0)
         assert same(wrist_of(KEN, way.links).rotation[-1], wrist.rotation[-1])
+
+
+def test_an_elbow_begins_softly_where_that_is_asked(jumping):
+    """Joints that turn much from the first frame on turn less in it, and everything else is held as before."""
+    hard = soft = 0
+    for before, wrist, _, way in jumping:
+        eased = yielding(KEN, wrist, before, GRACE, 10)
+        first, then = (float(steps(one, before)[0, 0]) for one in (way, eased))
+        hard, soft = hard + first, soft + then
+        assert steps(eased, before)[:, 0].max() < np.radians(10.0)
+        assert same(wrist_of(KEN, eased.links).rotation[-1], wrist.rotation[-1])
+    assert soft < 0.5 * hard
