@@ -75,7 +75,8 @@ def _direction(m: Functions, place: Vector, head: Vector, eye: Vector) -> tuple[
     yaw = m.atan2(left, ahead)
     behind = _rise(m, (math.pi - m.maximum(yaw, -yaw)) / (math.pi - _BEHIND))
     near = _rise(m, m.sqrt(up * up + level * level) / _NEAR)
-    return yaw, m.atan2(-up, m.maximum(level, 1e-9)), (behind * _rise(m, level / _NEAR), near)
+    steep = _NEAR + m.maximum(up, 0.0)  # what is higher than the neck bends back turns aside less
+    return yaw, m.atan2(-up, m.maximum(level, 1e-9)), (behind * _rise(m, level / steep), near)
 
 
 def _rise(m: Functions, x: Scalar) -> Scalar:

@@ -256,6 +256,20 @@ def test_gaze_at_what_passes_near_the_eyes_does_not_flip(y, z):
     assert np.degrees(angle(heads[0], rotations[[INDEX["spine"], INDEX["head"]]])).max() > 1.0
 
 
+@pytest.mark.parametrize("y", [0.13, -0.13])
+def test_gaze_at_what_passes_overhead_turns_aside_slowly(y):
+    """From ahead to behind, higher above the eyes than the neck bends back."""
+    rotations, root = SKELETON.upright()
+    places, turned = forward(rotations, root, SKELETON.offsets)
+    eyes = places[INDEX["head"]] + rotate(turned[INDEX["head"]], SKELETON.eye)
+    heads = []
+    for x in np.arange(0.7, -0.7, -0.02):
+        targets = np.zeros((5, 8))
+        targets[GAZE, :3], targets[GAZE, 7] = eyes + np.array([x, y, 0.36]), 1.0
+        heads.append(solve(SKELETON, rotations, root, targets)[INDEX["head"]])
+    assert np.degrees(angle(np.array(heads[:-1]), np.array(heads[1:]))).max() < 2.5
+
+
 def test_gaze_passes_behind_without_a_jump():
     rotations, root = SKELETON.upright()
     heads = []
