@@ -21,9 +21,10 @@ from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
+from ahmss.reaching.arm_on_way import AIMED
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch, looking
-from ahmss.reaching.performing import AIMED, Fingers, Performed, perform
+from ahmss.reaching.performing import Fingers, Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.steps import Steps

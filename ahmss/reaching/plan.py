@@ -77,9 +77,9 @@ class Plan:
         """The same by its other ways."""
         return [replace(self, curve=curve) for curve in self.others]
 
-    def raised(self, by: float) -> Plan:
-        """The same by a way that is so much higher, metres."""
-        points = self.curve.points + np.array([[0.0], [1.0], [1.0], [0.0]]) * np.array([0.0, 0.0, by])
+    def moved(self, by: Array) -> Plan:
+        """The same by a way whose middle is elsewhere by (3,), metres."""
+        points = self.curve.points + np.array([[0.0], [1.0], [1.0], [0.0]]) * by
         return replace(self, curve=replace(self.curve, points=points))
 
     def trunk(self, time: Array) -> Posture:
