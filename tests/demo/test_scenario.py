@@ -206,4 +206,4 @@ def test_the_same_script_works_elsewhere(name: str, tmp_path: Path) -> None:
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("seed", range(6))
 def test_the_same_script_works_with_everything_elsewhere_at_once(seed: int, tmp_path: Path) -> None:
-    works_elsewhere(drawn(seed, tmp_path), tmp_path / "drawn.rec", SQUEEZED["table turned"])
+    works_elsewhere(drawn(seed, tmp_path), tmp_path / "drawn.rec", THROUGH)
