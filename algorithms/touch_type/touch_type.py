@@ -13,7 +13,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.keystrokes import Stroke, keys_of, strokes_of
-from ahmss.algorithm.reaching import Looking, prisms_of, refuse_far
+from ahmss.algorithm.reaching import Looking, prisms_of, refuse_far, tell_missed
 from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
@@ -96,10 +96,11 @@ def _planned(
     found = yield from gaze.during(posture_for_both(reaching, palms, prisms))
     plans: dict[str, Plan] = {}
     for side, one in found.items():
-        refuse_far(task, side, one[2])
+        refuse_far(side, one[2])
         looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
         reacher = Reacher.of(task.human, side)
         plans[side] = yield from gaze.during(reaching.way(reacher, one, gaze.place, prisms, looked))
+        tell_missed(task, plans[side], one[1])
     first = gaze.frames + gaze.left(FIRST)
     looked = float(gaze.turned(np.array([first]))[0])
     return {side: reaching.set_out(plan, gaze.place, looked) for side, plan in plans.items()}
