@@ -16,7 +16,7 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
-from ahmss.walking.footsteps import Footsteps, Frame, Step
+from ahmss.walking.footsteps import LEFT, Footsteps, Frame, Step
 from ahmss.walking.gait import Gait
 
 __all__ = ["FootTracks", "tracks"]
@@ -25,6 +25,7 @@ _UP, _LEFT = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 _HEEL, _BALL, _TOE = 0, 1, 2
 _ROUND = 0.13  # sine of the pitch over which the lowest point of the swinging sole passes from toe to heel
 _LEAP = (3, 10)  # how the toes leap early in the swing: u^3 (1 - u)^10
+_TURNS_OUT = 0.75  # of a swing in which a foot turns outwards: with it its knee is sooner clear of the other leg
 _FLAT = 1e-9  # radians
 _TOUCHING = 2e-4  # metres
 
@@ -111,7 +112,9 @@ def _angles(gait: Gait, stances: list[_Stance], steps: list[Step], times: Array)
             (step.land, step.land + flat, -up),
         ):
             pitch += by * minimum_jerk((times - begin) / (end - begin))
-        yaw += (after.place.heading - before.place.heading) * minimum_jerk((times - step.lift) / swing)
+        turn = after.place.heading - before.place.heading
+        share = _TURNS_OUT if (turn > 0.0) == (step.foot == LEFT) else 1.0
+        yaw += turn * minimum_jerk((times - step.lift) / (share * swing))
     return pitch, yaw
 
 

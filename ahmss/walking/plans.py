@@ -24,6 +24,7 @@ _AFTER = 0.52  # seconds after the last has landed
 _ASIDE, _BACK = 0.62, 0.60  # a step aside and back, of one ahead
 _FAR = np.radians(105.0)  # of a turn into a way: from there on some of it is made on the spot
 _BEFORE, _ROOM = 0.4, 0.115  # what of it that is, and the share of a step that feet need to pass each other
+_AT_ONCE = np.radians(45.0)  # how far one turns with one foot and puts the other beside it
 _RUN = 5  # straight steps before what is cut out, and after it
 
 
@@ -113,7 +114,8 @@ class Planner:
         length = {1: (0.80, 0.42), 2: (1.70, 0.90)}[steps][small] * self.step
         length *= _ellipse(direction - 0.5 * turn) * (1.0 - (0.6 if small else 0.35) * abs(turn) / np.pi)
         goal = Frame(float(length * np.cos(direction)), float(length * np.sin(direction)), turn)
-        plan = self._timed(footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), goal, steps + 1))
+        least = 3 if abs(turn) > _AT_ONCE else steps + 1
+        plan = self._timed(footsteps(self._feet, self._feet.own, Frame(0.0, 0.0, 0.0), goal, least))
         return Take(plan, 0.0, plan.seconds, direction)
 
     # Footsteps

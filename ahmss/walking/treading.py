@@ -30,7 +30,7 @@ _PIVOTING = np.radians(12.0)  # a foot that turns by more while it bears pivots;
 _LEAST = 0.35  # of a step's heel rise and strike that even the shortest keeps
 _LIFTED = 0.03  # metres: a short step, which rolls little over heel and toe, is lifted instead
 _LEVEL = np.radians(0.5)
-_BESIDE = 0.06  # metres between the middle lines of two feet
+_BESIDE, _MOVES = 0.09, 14  # metres between the middle lines of two feet; centimetres that one is moved for it
 _LATER, _MOST_LATER = 0.35, np.radians(50.0)  # of the turn of a start, what its second footstep makes
 _TURNS_OUT = 0.5  # of the swing that follows, in which the foot is turned as its way is
 
@@ -99,17 +99,15 @@ class Tread:
     def know(self, count: int) -> None:
         """Have the first `count` footprints."""
         stances = self._stances
-        count = min(count, len(stances.first))
-        if count <= self.known:
-            return
-        end = int(stances.end[count - 1])
-        self._seen.until(end)
-        self._take_yaw(end)
-        new = slice(self.known, count)
-        ankle, pitch = self._seen.ankles[:, self._foot], self._seen.pitch[:, self._foot]
-        _stand(stances, new, ankle, self._yaw, pitch, self._soles)
-        self._place(new)
-        self.known = count
+        for i in range(self.known, min(count, len(stances.first))):
+            end = int(stances.end[i])
+            self._seen.until(end)
+            self._take_yaw(end)
+            new = slice(i, i + 1)
+            ankle, pitch = self._seen.ankles[:, self._foot], self._seen.pitch[:, self._foot]
+            _stand(stances, new, ankle, self._yaw, pitch, self._soles)
+            self._place(new)
+            self.known = i + 1
 
     def until(self, end: int) -> None:
         """Have the frames before `end`: whole strides, from landing to landing."""
@@ -160,8 +158,8 @@ class Tread:
                 stances.to[i] = where[foot]
                 off = wanted[foot] - stances.to_heading[i]
                 stances.to_heading[i] += (off + np.pi) % (2.0 * np.pi) - np.pi
-        if self._starts(new):
-            stances.to[1] = self._clear(stances.to[1], float(stances.to_heading[1]), ahead[1 - new.start])
+        if 0 < new.start < len(stances.first) - 1:
+            self._clear(new.start)
 
     def _turn_in(self, new: slice) -> None:
         """The first footstep of a start shares its turn with the next.
@@ -178,13 +176,26 @@ class Tread:
         first, end = self._stances.first, self._stances.end
         return new.start <= 1 < new.stop and bool(first[1] < self._started <= end[1])
 
-    def _clear(self, place: Array, heading: float, ahead: Array) -> Array:
-        """A footstep (2,) moved ahead until it is clear of the other foot, which stands as it did before."""
-        other = 1 - self._foot
-        stood = middle(self._soles, self._ends.first[other], float(self._ends.first_heading[other]))
-        while stood.distance(middle(self._soles, place, heading)) < _BESIDE:
-            place = place + 0.01 * ahead
-        return place
+    def _clear(self, i: int) -> None:
+        """Move a footprint away from where the other foot stands, and will at last, until it is clear of it."""
+        stances, other = self._stances, self.other
+        near = [other.stands(int(stances.first[i]))]
+        if other.lands_last < int(stances.end[i]):
+            foot = 1 - self._foot
+            near.append((self._ends.last[foot], float(self._ends.last_heading[foot])))
+        for place, faces in near:
+            stood = middle(self._soles, place, faces)
+            for _ in range(_MOVES):
+                sole = middle(self._soles, stances.to[i], float(stances.to_heading[i]))
+                if stood.distance(sole) >= _BESIDE:
+                    break
+                away = np.subtract(sole.centroid.coords[0], stood.centroid.coords[0])
+                stances.to[i] += 0.01 * away / max(float(np.linalg.norm(away)), 1e-9)
+
+    @property
+    def lands_last(self) -> int:
+        """The first frame of its last footprint."""
+        return int(self._stances.first[-1])
 
     def stands(self, frame: int) -> tuple[Array, float]:
         """Where the foot stands, or stood before, at a frame: the flat foot's ankle (2,) and heading."""
@@ -251,14 +262,7 @@ class Tread:
             swing = swings & (before == b)
             stands = self.other.stands(origin + int(lift[swing][0]))
             way, sign = stances.to[b + 1] - stances.to[b], 1.0 if self._foot else -1.0
-            out[swing, :2] += around(
-                out[swing, :2],
-                u[swing],
-                stands,
-                way,
-                sign,
-                turned_in=bool(np.abs(stances.more[b : b + 2]).max() > 0.02),
-            )
+            out[swing, :2] += around(out[swing, :2], u[swing], heading[swing], stands, way, sign)
         if self._aside is not None:
             out[:, :2] += self._aside[frames]
         out[bears] = standing[bears]

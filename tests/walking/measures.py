@@ -325,5 +325,15 @@ def shanks_apart(walk: Walk) -> float:
     return float(np.linalg.norm(a[:, :, None] - b[:, None], axis=-1).min())
 
 
+def soles_apart(walk: Walk) -> float:
+    """How near the middle lines of both soles, from heel to toe, come to each other while both bear, metres."""
+    soles = foot_points(walk.skeleton, walk.rotations, walk.root)
+    bear = (soles[..., 2].min(axis=-1) < _NEAR).all(axis=-1)
+    a, b = soles[bear][:, :, 0, :2], soles[bear][:, :, 2, :2]
+    t = np.linspace(0.0, 1.0, 21)[None, :, None]
+    right, left = ((1.0 - t) * a[:, foot, None] + t * b[:, foot, None] for foot in (0, 1))
+    return float(np.linalg.norm(right[:, :, None] - left[:, None], axis=-1).min())
+
+
 def _cross(a: Array, b: Array) -> Array:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

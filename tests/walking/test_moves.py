@@ -21,6 +21,15 @@ def test_no_more_are_taken_than_the_turn_needs_whichever_foot_leads(turn, steps)
     assert [len(taken(sign * turn, lead)) for sign in (1, -1) for lead in (None, LEFT, RIGHT)] == [steps] * 6
 
 
+@pytest.mark.parametrize("turn", [45.0, 75.0, 105.0, 120.0, 150.0, 180.0, -60.0, -120.0])
+def test_no_foot_lands_turned_in_by_much(turn):
+    now = [0.0, 0.0]
+    for one in taken(turn):
+        now[one.foot] = one.landing.heading - FEET.own[one.foot].heading
+        out = np.degrees(now[LEFT] - now[RIGHT])
+        assert -45.0 - 1e-6 <= out <= 75.0 + 1e-6
+
+
 @pytest.mark.parametrize("turn", [60.0, 90.0, 120.0, 150.0, 180.0, -90.0, -150.0])
 @pytest.mark.parametrize("lead", [LEFT, RIGHT])
 def test_feet_take_turns_and_both_end_where_the_goal_has_them(turn, lead):
