@@ -57,7 +57,7 @@ OPENED = 0.5  # of an open hand: as far as the fingers are opened before the lev
 # Ways onto the lever and off it, of which the first is gone that is clear of the door: metres by which the hand passes
 # farther out of the leaf, and seconds by which it is there longer.
 WAYS = tuple(product((0.0, 0.02, 0.04, 0.06, 0.09, 0.12), (0.0, 0.1, 0.2)))
-LONGEST = 0.336  # of stature: a step backwards or aside that is made without turning about
+LONGEST = 0.3  # of stature: a step backwards or aside that is made without turning about
 TRIED = 53  # angles that are looked at in a frame
 EASY, STRETCH = 0.86, 40.0  # share of the arm's length up to which it costs nothing, and what a whole one costs
 APART, TOUCH = 0.36, 60.0  # metres between the hips and the leaf that are kept, and what one too few costs
