@@ -103,7 +103,13 @@ def prisms_of(task: HumanTask) -> list[Prism]:
 
 
 def planned(
-    task: HumanTask, reaching: Reaching, goal: Goal, gaze: Looking, prisms: Sequence[Prism], off: Array | None = None
+    task: HumanTask,
+    reaching: Reaching,
+    goal: Goal,
+    gaze: Looking,
+    prisms: Sequence[Prism],
+    off: Array | None = None,
+    sides: Sequence[str] = (),
 ) -> Generator[Array, None, Plan]:
     """The plan of a reach, made a part in each of a few frames (1, 260) in which only the gaze moves.
 
@@ -111,12 +117,13 @@ def planned(
         task: whose notes are told of it. reaching: who. goal: where. gaze: on its way there.
         prisms: what may be in the way.
         off: (3,) metres by which the hand is first brought elsewhere, on its way to the goal.
+        sides: the hands that may be used; left out: all that `sides_of` has.
 
     Raises:
         AlgorithmError: it is out of reach; says by how much.
     """
     yield gaze.alone()
-    sides = [side for side in sides_of(task) if not goal.palms or side in goal.palms]
+    sides = [side for side in sides or sides_of(task) if not goal.palms or side in goal.palms]
     reacher = yield from gaze.during(reaching.better_side(goal, sides, prisms))
     yield from gaze.if_there_is_time()
     posture, palm, arm = yield from gaze.during(reaching.posture(reacher, goal, prisms))

@@ -13,16 +13,17 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.carried import reach_while_carried
-from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of
+from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
+from ahmss.errors import AlgorithmError
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal, turned_otherwise
 from ahmss.reaching.performing import Fingers, Performed
 from ahmss.reaching.plan import Reaching
 
-FLAW = 2.0  # of the arm on its way, from where on another turn of the palm is tried
+FLAW, TOUCHES = 2.0, 0.2  # of the arm on its way, from where on another turn of the palm is tried; another hand
 TOLD = 1.0, 1.0  # millimetres, degrees
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
@@ -41,17 +42,34 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     prisms = prisms_of(task)
     plan = yield from planned(task, reaching, goal, gaze, prisms)
     made = yield from performed(task, reaching, plan, gaze, _shape(task, plan.reacher.side))
-    side = plan.reacher.side
-    other = turned_otherwise(goal, side, reaching.palms(plan.reacher, goal), plan.palm)
-    if other is not None and made.flaw > FLAW and not task.length:
-        plan = yield from planned(task, reaching, other, gaze, prisms)
+    for other, side in _otherwise(task, reaching, goal, made):
+        try:
+            plan = yield from planned(task, reaching, other, gaze, prisms, sides=(side,))
+        except AlgorithmError:
+            continue  # what was found first is done
         again = yield from performed(task, reaching, plan, gaze, _shape(task, side))
         if again.flaw < made.flaw:
             made = again
         elif made.looked < 1.0:  # the eyes have gone on since it was made
-            made = yield from performed(task, reaching, made.plan, gaze, _shape(task, side))
+            made = yield from performed(task, reaching, made.plan, gaze, _shape(task, made.plan.reacher.side))
     _tell_turned(task, goal, made)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _otherwise(task: HumanTask, reaching: Reaching, goal: Goal, made: Performed) -> list[tuple[Goal, str]]:
+    """What else is tried, by which hand: the palm turned otherwise where the arm is badly off, the other hand where
+    this one touches things.
+    """
+    if task.length:
+        return []
+    reacher = made.plan.reacher
+    found: list[tuple[Goal, str]] = []
+    other = turned_otherwise(goal, reacher.side, reaching.palms(reacher, goal), made.plan.palm)
+    if other is not None and made.flaw > FLAW:
+        found.append((other, reacher.side))
+    if made.flaw > TOUCHES:
+        found += [(goal, side) for side in sides_of(task) if side != reacher.side]
+    return found
 
 
 def _tell_turned(task: HumanTask, goal: Goal, made: Performed) -> None:
