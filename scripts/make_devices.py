@@ -103,9 +103,10 @@ values = [NAMES]
 range = [0.0, 1.0]
 
 [affordances.type]
-sentence = "Type a text, finger by finger, both hands over the home row."
+sentence = "Type a text, finger by finger, both hands over the home row; who stands elsewhere steps there."
 human_algorithm = "touch_type"
 object_algorithm = "typed"
+motion = "../floor/walk.npz"
 site = "keys"
 needs = { free_hands = 2 }
 frames = 0

@@ -38,6 +38,7 @@ ALONE = (0.012, 0.008, 0.004, 0.001)  # metres by which a finger reaches beside 
 # Seconds from the moment in which a key is all the way in: the finger is over it from and to, it goes down from and to,
 # and up from and to; it has left home before, and is there again.
 OVER_IT, DOWN, UP, HOME = (-0.05, 0.06), (-0.085, -0.008), (0.016, 0.095), (-0.17, 0.2)
+_WAYS = np.array([[x, y] for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0)])
 HAND_HOME = 0.45  # seconds between two strokes from which on a hand goes home between them
 HAND = (-0.03, 0.03)  # seconds about a stroke in which the hand stays
 
@@ -126,6 +127,13 @@ class TypingHand:
     def resting(self, palm: Array) -> TypingHand:
         """The same with its palm (7,) at rest there, its thumb as near to its key as it comes from there."""
         return replace(self, rest=palm, _goes={}, thumb=self._pad_of("thumb", palm[None], self.thumb)[0])
+
+    def goes(self, strokes: Sequence[Stroke], palm: Array) -> Array:
+        """How far (k, 3) a hand that rests there (7,) goes for its strokes, to every side at the most; and not at all."""
+        hand = self.resting(palm)
+        shifts = np.array([np.zeros(3), *(hand._shift(stroke) for stroke in strokes if stroke.side == self.side)])
+        ends = {int((shifts[:, :2] @ way).argmax()) for way in _WAYS}
+        return shifts[sorted(ends | {0})]
 
     def shifts(self, strokes: Sequence[Stroke], time: Array) -> Array:
         """How far (F, 3) the hand is from where it rests at times (F,), seconds."""

@@ -26,7 +26,7 @@ from ahmss.reaching.skin import MARGIN, gaps
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.steps import Steps
 
-__all__ = ["Stretch", "looking", "posture_for", "stretch_of"]
+__all__ = ["Stretch", "looking", "overbent", "posture_for", "stretch_of", "sunk"]
 
 EASY, STRETCHED = 0.86, 0.955
 """Shares of the arm's length up to which the trunk stays, and from which it gives all that is missing."""
@@ -166,14 +166,14 @@ def _least(
     cost += _EASY * np.maximum(stretched - EASY, 0.0) ** 2 + _TOO_FAR * np.maximum(stretched - STRETCHED, 0.0) ** 2
     cost += _TOO_FAR * np.maximum(reacher.shortest / reacher.length + _ROOM - stretched, 0.0) ** 2
     cost += _ARM * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
-    cost += _LIMIT * _beyond(skeleton, seen) ** 2
+    cost += _LIMIT * overbent(skeleton, seen) ** 2
     if prisms:
-        cost += _INSIDE * _deep(standing, made, prisms)
+        cost += _INSIDE * sunk(standing, made, prisms)
     i = int(np.argmin(cost))
     return grid[i], Posture(standing.on_feet(made.rotations[i], made.root[i]), made.root[i])
 
 
-def _deep(standing: Standing, made: Posture, prisms: Sequence[Prism]) -> Array:
+def sunk(standing: Standing, made: Posture, prisms: Sequence[Prism]) -> Array:
     """How deep trunk and knees of postures (n) are in things, deeper than they are already: squares (n), added up."""
     offsets, links = standing.skeleton.offsets, [INDEX[name] for name in _TRUNK]
     before = forward(standing.base.rotations, standing.base.root, offsets)[0][links]
@@ -190,7 +190,7 @@ def _load(standing: Standing, reacher: Reacher, wrist: Array) -> Array:
     return mass * 0.5 * (wrist - places[first + 2])
 
 
-def _beyond(skeleton: Skeleton, rotations: Array) -> Array:
+def overbent(skeleton: Skeleton, rotations: Array) -> Array:
     """Radians (n) by which spine and legs are turned beyond their limits at the most."""
     links = [INDEX["spine"], *_LEGS]
     upright = skeleton.upright()[0][links]

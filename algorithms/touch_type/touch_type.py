@@ -1,7 +1,8 @@
 """Touch-typing: both hands come over the home row, and each key is pressed by the finger that has it.
 
 The object's property `keys` says where the keys are and whose; the action's site is the middle of their tops, x to who
-types and z up. Standing or sitting, one bends no further than both arms ask. At the end the hands hover.
+types and z up. Who stands elsewhere steps before them first, where the action names a walk library. Standing or
+sitting, one bends no further than both arms ask for all keys of the text. At the end the hands hover.
 """
 
 from __future__ import annotations
@@ -12,23 +13,32 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.controls import before, gone_to
 from ahmss.algorithm.keystrokes import Stroke, keys_of, strokes_of
 from ahmss.algorithm.reaching import Looking, prisms_of, refuse_far, tell_missed
+from ahmss.algorithm.stepping import walk_library
 from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import multiply
+from ahmss.body.quaternion import multiply, rotate
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import FINGERS
 from ahmss.motion.easing import minimum_jerk
-from ahmss.reaching.both import posture_for_both
+from ahmss.reaching.both import Between, posture_for_both
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import SIDES, Reacher
+from ahmss.reaching.standing import Standing
+from ahmss.walking.journey import Standing as Stance
+from ahmss.walking.journey import footing
 
 ABOVE = 0.04  # metres over the keys to which the hands come, and to which they rise at the end
 SINKS, BEGINS, ENDS, RISES = 0.3, 0.25, 0.3, 0.3  # seconds
 FIRST = 12  # frames in which the motion is worked out
 AT_ONCE = 12  # frames of fingers
+AWAY, NEAR, FACING = 0.36, 0.1, np.radians(15.0)  # metres from the keys at which one stands; near enough there, facing
+CLICK, ALL_IN = 0.9, 0.005  # of the travel, where it writes; seconds before a stroke's time it is in already
 TRAVEL = 0.0035  # metres of a key, where the object's properties do not say
 
 
@@ -45,12 +55,13 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
     if not strokes:
         raise AlgorithmError('type what? add text="..."')
     hands = {side: TypingHand.of(task.human, side, keys) for side in SIDES}
-    gaze = Looking(task, task.site.place)
+    task, gaze = yield from _stood(task)
     yield gaze.alone()
-    plans = yield from _planned(task, hands, gaze)
+    plans = yield from _planned(task, hands, strokes, gaze)
     made, typing = yield from _made(task, hands, plans, strokes, gaze)
     rows = task.block(made.rotations, made.root, made.importance, made.targets)
     first = len(rows) - len(typing.time)
+    _tell_missed_keys(task, typing.missed(task, made, first), len({stroke.key.name for stroke in strokes}))
     yield rows[:first]
     for begin in range(first, len(rows), AT_ONCE):  # worked out while they are shown
         yield typing.fingers(task, made, first, slice(begin, begin + AT_ONCE))
@@ -70,17 +81,74 @@ class Typing:
         assert task.site is not None
         assert task.object is not None
         travel = float(task.object.properties.get("travel", TRAVEL))
-        rotations, back = made.rotations[some].copy(), task.site.inverse()
+        rotations, back, shown = made.rotations[some].copy(), task.site.inverse(), _shown(task, made, some)
         own = slice(some.start - first, some.stop - first)
         for row, (side, hand) in enumerate(self.hands.items()):
-            palms = back.then(Transform.of(made.targets[some, row])).row()
+            palms = back.then(Transform.of(shown[:, row])).row()
             palms[:, 2] -= self.height[own]
             rotations[:, list(fingers(side))] = hand.shapes(self.strokes, self.time[own], palms, travel)
         return task.block(rotations, made.root[some], made.importance[some], made.targets[some])
 
+    def missed(self, task: HumanTask, made: Performed, first: int) -> dict[str, float]:
+        """The keys that stay up, by name, and by how many metres their fingers stop short of pressing them."""
+        assert task.site is not None
+        assert task.object is not None
+        travel = float(task.object.properties.get("travel", TRAVEL))
+        back, into = task.site.inverse(), -(_up(task.site))
+        found: dict[str, float] = {}
+        for row, (side, hand) in enumerate(self.hands.items()):
+            for stroke in (stroke for stroke in self.strokes if stroke.side == side):
+                at = int(np.searchsorted(self.time, stroke.time - ALL_IN))
+                palm = _shown(task, made, slice(first + at, first + at + 1))[:, row]
+                shape = hand.shapes(self.strokes, self.time[[at]], back.then(Transform.of(palm)).row(), travel)
+                pads = back.apply(hand.tips.pads(shape, palm, into)[0])
+                pad = pads[("thumb", *FINGERS).index(stroke.finger)]
+                off = np.append(hand.place_on(stroke), -CLICK * travel) - pad
+                off = np.append(np.maximum(np.abs(off[:2]) - 0.5 * stroke.key.size.min(), 0.0), min(off[2], 0.0))
+                if float(np.linalg.norm(off)) > 0.0:
+                    name = stroke.key.name
+                    found[name] = max(found.get(name, 0.0), float(np.linalg.norm(off)))
+        return found
+
+
+def _shown(task: HumanTask, made: Performed, some: slice) -> Array:
+    """The palms (n, 2, 7) in some of the frames, as the arms come to them."""
+    rotations, root = made.rotations[some], made.root[some]
+    return grips(task.human, solve(task.human, rotations, root, made.targets[some]), root)
+
+
+def _stood(task: HumanTask) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """The task from where one types, as it is or after steps (n, 260) to before the keys; and the gaze on its way.
+
+    Who sits, or has no walk library, stays.
+    """
+    gaze = Looking(task, task.site.place if task.site is not None else task.start.root)
+    if task.library is None or Standing.of(task.human, task.start.rotations, task.start.root) is None:
+        return task, gaze
+    stance = Stance.of(task.human, walk_library(task))
+    stand, now = before(task, AWAY), footing(task.human, task.start.rotations, task.start.root, stance)
+    aside = abs(((stand.facing or 0.0) - now.heading + np.pi) % (2.0 * np.pi) - np.pi)
+    if float(np.linalg.norm(stand.place - now.place)) < NEAR and aside < FACING:
+        return task, gaze
+    return (yield from gone_to(task, stand, gaze))
+
+
+def _tell_missed_keys(task: HumanTask, missed: Mapping[str, float], count: int) -> None:
+    """Tell which keys stay up, and by how much they are out of reach.
+
+    Raises:
+        AlgorithmError: all do.
+    """
+    if not missed:
+        return
+    far = f"up to {1000.0 * max(missed.values()):.0f} mm out of reach of their fingers"
+    if len(missed) == count:
+        raise AlgorithmError(f"all keys are {far} from here; come nearer to the middle of the keyboard")
+    task.note(f"not pressed: {', '.join(missed)}; {far}; come nearer to the middle of the keyboard")
+
 
 def _planned(
-    task: HumanTask, hands: Mapping[str, TypingHand], gaze: Looking
+    task: HumanTask, hands: Mapping[str, TypingHand], strokes: list[Stroke], gaze: Looking
 ) -> Generator[Array, None, Mapping[str, Plan]]:
     """The plan of either hand, from one posture.
 
@@ -90,10 +158,12 @@ def _planned(
     assert task.site is not None
     reaching, prisms = Reaching(task.human, task.start.rotations, task.start.root), prisms_of(task)
     above = Transform(task.site.place + ABOVE * _up(task.site), task.site.rotation)
-    palms: dict[str, Array] = {}
+    between: dict[str, Between] = {}
     for side, hand in hands.items():
-        palms[side] = above.then(Transform.of((yield from gaze.during(hand.palms())))).row()
-    found = yield from gaze.during(posture_for_both(reaching, palms, prisms))
+        palms = yield from gaze.during(hand.palms())
+        goes = hand.goes(strokes, palms[len(palms) // 2]) - np.array([0.0, 0.0, ABOVE])
+        between[side] = Between(above.then(Transform.of(palms)).row(), rotate(task.site.rotation, goes))
+    found = yield from gaze.during(posture_for_both(reaching, between, gaze.place, prisms))
     plans: dict[str, Plan] = {}
     for side, one in found.items():
         refuse_far(side, one[2])

@@ -98,10 +98,10 @@ class Body:
             object=record(name, frame, states, shaped=shaped), **(fields | given),
         )  # fmt: skip
 
-    def do(self, algorithm: str, start: Start) -> list[HumanPose]:
+    def do(self, algorithm: str | Callable[[Any], Any], start: Start) -> list[HumanPose]:
         """Play a motion to its end, the limbs solved onto its targets; the poses as they are shown."""
         shown: list[HumanPose] = []
-        for pose in frames(program(algorithm), start):
+        for pose in frames(program(algorithm) if isinstance(algorithm, str) else algorithm, start):
             driven = pose.importance > 0.0
             rotations = np.where(driven[:43, None], pose.rotations, self.rotations)
             root = pose.root if driven[43] else self.root

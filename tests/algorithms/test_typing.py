@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
 from ahmss.algorithm.keystrokes import Stroke, keys_of, strokes_of
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
@@ -28,17 +29,23 @@ ALL = "THE QUICK BROWN FOX JUMPS OVER A LAZY DOG 1234567890-=[];',./"
 class Desk:
     """A keyboard on a desk somewhere, and somebody who stands before it."""
 
-    def __init__(self, seed: int, name: str = "") -> None:
+    def __init__(self, seed: int, name: str = "", *, height: float | None = None, away: float | None = None) -> None:
         random = np.random.default_rng(seed)
-        self.frame = at(1.0, 2.0, random.uniform(0.84, 0.96), random.uniform(-np.pi, np.pi))
-        self.body = before(
-            name or ("ken", "aiko")[seed % 2], self.frame, random.uniform(0.33, 0.4), random.uniform(-0.04, 0.04),
-            random.uniform(-6.0, 6.0),
-        )  # fmt: skip
+        high, turn = random.uniform(0.84, 0.96), random.uniform(-np.pi, np.pi)
+        self.frame = at(1.0, 2.0, high if height is None else height, turn)
+        far, aside, turned = random.uniform(0.33, 0.4), random.uniform(-0.04, 0.04), random.uniform(-6.0, 6.0)
+        name = name or ("ken", "aiko")[seed % 2]
+        self.body = before(name, self.frame, far if away is None else away, aside, turned)
+        self.notes: list[str] = []
 
-    def typed(self, text: str) -> tuple[Body, Start, list[HumanPose]]:
-        start = begun(self.body, device("keyboard", self.frame), "keys", {"text": text})
-        return self.body, start, self.body.do("touch_type", start)
+    def typed(self, text: str, **given: Any) -> tuple[Body, Start, list[HumanPose]]:
+        start = begun(self.body, device("keyboard", self.frame), "keys", {"text": text}, **given)
+
+        def noted(task: HumanTask) -> Iterator[Any]:
+            yield from program("touch_type")(task)
+            self.notes.extend(task.notes)
+
+        return self.body, start, self.body.do(noted, start)
 
     def told(self, body: Body, start: Start, shown: list[HumanPose]) -> list[dict[str, Any]]:
         """What the keyboard says at each frame."""
@@ -71,9 +78,9 @@ def pressed(pads: dict[tuple[str, str], Array]) -> list[tuple[int, str, str, Arr
     return sorted(found, key=lambda one: one[0])
 
 
-def judge(seed: int, text: str) -> None:
+def judge(seed: int, text: str, name: str = "", **given: float) -> None:
     """Type it, and compare what fingers do with the strokes that they are to make."""
-    desk = Desk(seed)
+    desk = Desk(seed, name, **given)
     body, start, shown = desk.typed(text)
     told = desk.told(body, start, shown)
     assert [states["text"] for states in told if "text" in states][-1] == text
@@ -104,6 +111,50 @@ def test_any_word_is_typed(seed: int) -> None:
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_all_keys_are_reached(seed: int) -> None:
     judge(seed, ALL)
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_all_keys_of_a_text_are_reached_on_a_low_desk(name: str) -> None:
+    judge(4, "QUICK BROWN FOX 1234567890", name, height=0.72, away=0.4)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("away", [0.3, 0.5, 0.6])
+@pytest.mark.parametrize("height", [0.62, 0.72, 0.8, 1.0])
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_all_keys_are_reached_from_where_one_stands(name: str, height: float, away: float) -> None:
+    judge(5, ALL, name, height=height, away=away)
+
+
+def test_keys_that_stay_up_are_told_by_name_and_by_how_much() -> None:
+    desk = Desk(1, "aiko", height=0.88, away=0.9)
+    told = desk.told(*desk.typed("FOX 1234567890"))
+    text = [states["text"] for states in told if "text" in states][-1]
+    up = {stroke.key.name for stroke in strokes_of("FOX 1234567890", KEYS, np.random.default_rng(0), 0.0)}
+    up -= {key.name for key in KEYS.values() if key.writes and key.writes in text}
+    assert up
+    [note] = [note for note in desk.notes if note.startswith("not pressed")]
+    names, far = note.removeprefix("not pressed: ").split("; ")[:2]
+    assert set(names.split(", ")) == up
+    assert far.startswith("up to ")
+    assert 1 <= int(far.split()[2]) < 60
+    assert far.endswith("mm out of reach of their fingers")
+
+
+def test_where_no_key_is_reached_one_does_not_type_in_the_air() -> None:
+    with pytest.raises(AlgorithmError, match=r"all keys are up to \d+ mm out of reach|too short"):
+        Desk(1, "aiko", height=0.88, away=1.0).typed("1")
+
+
+def test_who_stands_elsewhere_steps_before_the_keys() -> None:
+    desk = Desk(6, "ken", away=1.3)
+    body, start, shown = desk.typed(
+        "HELLO 7", motion=str(WORKSPACE.objects.get("latching_button").affordances["press"].motion)
+    )
+    assert [states["text"] for states in desk.told(body, start, shown) if "text" in states][-1] == "HELLO 7"
+    stood = desk.frame.inverse().apply(body.root)
+    assert 0.25 < stood[0] < 0.55
+    assert abs(stood[1]) < 0.08
 
 
 def test_enter_sends_the_line_and_back_takes_a_letter_away() -> None:
