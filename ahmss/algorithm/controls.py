@@ -8,7 +8,8 @@ controls share, and an author may use.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Generator, Sequence
+import itertools
+from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,11 +17,11 @@ import numpy as np
 from ahmss.algorithm.box import Box, boxes_of
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import MOST_MISSING, Looking, planned, prisms_of, sides_of
-from ahmss.algorithm.stepping import ground_of, stepped, walk_library
+from ahmss.algorithm.sighting import Sighting
+from ahmss.algorithm.stepping import ground_of, stepped, walk_library, walkers
 from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
-from ahmss.body.inverse import GAZE
 from ahmss.body.links import LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
@@ -29,13 +30,16 @@ from ahmss.reaching.leaning import Stretch, stretch_of
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
-from ahmss.reaching.reacher import Reacher, heading_of
+from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.steps import Steps
 from ahmss.walking import goals
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "smoothest", "stood_before"]
+__all__ = [
+    "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken", "smoothest",
+    "standing", "stood_before",
+]  # fmt: skip
 
 _UP = np.array([0.0, 0.0, 1.0])
 _Y = np.array([0.0, 1.0, 0.0])
@@ -45,6 +49,8 @@ _FLAT = 0.004  # metres: what is no higher is in nobody's way
 _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
 _AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
 _ASIDE = 0.14  # metres that the hand's own side is before the control
+_BESIDE = tuple(itertools.product((0.3, 0.42), (0.54, 0.62, 0.46)))  # the same two, beside who stands there
+_ROOM, _STANDING = 0.66, 0.1  # metres between the middles of two who stand side by side; m/s: who is slower stands
 _AT_EASE, _FROM_HERE = (
     0.9,
     1.02,
@@ -56,11 +62,6 @@ _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
 _TRIES = 4  # of palms, where the elbow would leap on the way
 _LEAP = np.radians(9.0)  # that an arm's link turns in a frame
 _OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
-_SEES = np.radians(65.0)  # aside of where one goes, up to where one looks at it on the way
-_NECK, _FORGETS = np.radians(75.0), 0.02  # aside; of looking: who looks no more may look to the other side next
-_LONGEST = 2.0  # seconds that a gaze is on its way
-_LAG = 0.07  # seconds of each of three lags by which the gaze turns then
-_TARGETS = 220  # the first of a row's targets
 _SPARSE = 3  # every so many palms show how easily an arm comes there
 
 
@@ -185,7 +186,7 @@ def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Arra
     assert task.object is not None
     steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=task.object.name)
     tucking, rotations = Tucking(task, first=0), task.start.rotations.copy()
-    watching = _Watching(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
+    watching = Sighting(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
     while True:
         try:
             rows = tucking.over(next(steps))
@@ -196,47 +197,6 @@ def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Arra
             return moved, watching.goes_on(moved)
         rotations = rows[-1, 4:176].reshape(43, 4).copy()
         yield watching.over(rows)
-
-
-class _Watching:
-    """The gaze of who goes to a control: on it while it is ahead."""
-
-    def __init__(self, gaze: Looking, turned: float, rate: float) -> None:
-        self._place, self._levels = gaze.place, [turned] * 3
-        self._share = 1.0 - np.exp(-1.0 / (_LAG * rate))
-        self._aside = 0.0
-
-    def over(self, rows: Array) -> Array:
-        """POSE rows (n, 260), the gaze added."""
-        rows = rows.copy()
-        targets = rows[:, _TARGETS:].reshape(-1, 5, 8)
-        for k, row in enumerate(rows):
-            heading, aside, place = self._seen(row)
-            wanted = float(abs(aside) < _SEES)
-            for i, level in enumerate(self._levels):
-                self._levels[i] = wanted = level + self._share * (wanted - level)
-            self._aside = aside
-            if abs(aside) > _NECK:  # a head turns no farther, and not from one shoulder to the other behind the back
-                along = heading + np.clip(aside, -_NECK, _NECK)
-                off = float(np.linalg.norm(place[:2] - row[1:3])) * np.array([np.cos(along), np.sin(along)])
-                place = np.append(row[1:3] + off, place[2])
-            targets[k, GAZE, :3], targets[k, GAZE, 7] = place, wanted
-        rows[:, _TARGETS:] = targets.reshape(-1, 40)
-        return rows
-
-    def _seen(self, row: Array) -> tuple[float, float, Array]:
-        """Where one who is there (260,) faces, how far aside of that the place is, carried on while it is looked at."""
-        heading, off = heading_of(row[4:176].reshape(43, 4), row[1:4]), self._place[:2] - row[1:3]
-        aside = float(np.arctan2(off[1], off[0])) - heading
-        about = self._aside if self._levels[-1] > _FORGETS else 0.0
-        return heading, about + (aside - about + np.pi) % (2.0 * np.pi) - np.pi, self._place
-
-    def goes_on(self, task: HumanTask) -> Looking:
-        """The gaze of who has arrived, as far on its way as it is."""
-        gaze = Looking(task, self._place)
-        frames = np.arange(0.0, _LONGEST * task.rate)
-        gaze.frames = int(np.searchsorted(gaze.turned(frames), min(self._levels[-1], 1.0 - 1e-6)))
-        return gaze
 
 
 def begun_at(task: HumanTask, rotations: Array, root: Array) -> HumanTask:
@@ -266,29 +226,58 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
         AlgorithmError: nowhere; says by how much it is too short.
     """
     assert task.object is not None
-    best: tuple[float, goals.Goal] | None = None
-    for side in sides_of(task):
-        sign = 1.0 if side == "right" else -1.0
-        for away in _AWAY:
-            stand = before(task, away, sign * _ASIDE)
-            arm = yield from _stretch(task, _reaching(task, stand), goal, (side,))
-            worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
-            if best is None or worth < best[0]:
-                best = worth, stand
-            if arm.found and arm.stretched < _AT_EASE:
-                break
-            yield
-    assert best is not None
-    reaching = _reaching(task, best[1])
+    found = yield from _easiest(task, goal, itertools.product((_ASIDE,), _AWAY), ())
+    assert found is not None
+    stand, taken = found[0], standing(task)
+    if is_taken(stand, taken):
+        beside_them = yield from _easiest(task, goal, _BESIDE, taken)
+        if beside_them is not None and beside_them[1].found and beside_them[1].stretched < _FROM_HERE:
+            return beside_them[0]
+    reaching = _reaching(task, stand)
     reacher = yield from reaching.better_side(goal, sides_of(task))
     _, _, arm = yield from reaching.posture(reacher, goal, prisms)
     if arm.missing > MOST_MISSING:
-        x, y = best[1].place.tolist()
+        x, y = stand.place.tolist()
         raise AlgorithmError(
             f"{task.object.name} is out of reach: the {reacher.side} arm is {arm.missing:.2f} m too short for it, even "
             f"from where one stands nearest to it, at {x:.2f} {y:.2f}; have somebody taller do it, or move it"
         )
-    return best[1]
+    return stand
+
+
+def _easiest(
+    task: HumanTask, goal: Goal, places: Iterable[tuple[float, float]], taken: Sequence[Array]
+) -> Steps[tuple[goals.Goal, Stretch] | None]:
+    """Of places, so far to the hand's other side and so far away, the best, and how the arm comes from there.
+
+    None: all are too near to those taken.
+    """
+    best: tuple[float, goals.Goal, Stretch] | None = None
+    places = list(places)
+    for side in sides_of(task):
+        sign = 1.0 if side == "right" else -1.0
+        for aside, away in places:
+            stand = before(task, away, sign * aside)
+            if is_taken(stand, taken):
+                continue
+            arm = yield from _stretch(task, _reaching(task, stand), goal, (side,))
+            worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
+            if best is None or worth < best[0]:
+                best = worth, stand, arm
+            if arm.found and arm.stretched < _AT_EASE:
+                break
+            yield
+    return None if best is None else best[1:]
+
+
+def standing(task: HumanTask) -> list[Array]:
+    """Where others stand (2,)."""
+    return [other.place for other in walkers(task) if float(np.linalg.norm(other.velocity)) < _STANDING]
+
+
+def is_taken(stand: goals.Goal, taken: Sequence[Array]) -> bool:
+    """Whether somebody stands too near to a place."""
+    return any(float(np.linalg.norm(stand.place - place)) < _ROOM for place in taken)
 
 
 def _reaching(task: HumanTask, stand: goals.Goal) -> Reaching:

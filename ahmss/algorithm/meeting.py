@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 import msgspec
@@ -14,7 +14,7 @@ from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.pose import HumanPose
 from ahmss.algorithm.reaching import HEAD
-from ahmss.algorithm.stepping import ground_of, rows_of, walk_library
+from ahmss.algorithm.stepping import ground_of, rows_of, walk_library, walkers
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
@@ -23,9 +23,9 @@ from ahmss.body.quaternion import align, rotate, slerp
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.planting import feet
-from ahmss.walking.trip import Trip, Walker
+from ahmss.walking.trip import Trip
 
-__all__ = ["FACING", "again", "come_to", "go_to", "walkers"]
+__all__ = ["FACING", "again", "come_to", "go_to"]
 
 FACING = np.radians(25.0)
 """How far aside somebody may be whom one still faces."""
@@ -35,7 +35,6 @@ _LOOKS, _WAITS = 3.3, 12.0  # seconds that one looks whether they come, who look
 _GLANCE = 10  # frames in which one sees whether they walk
 _BESIDE = np.radians([40.0, 125.0])  # to the side, of who stands beside one
 _HALF_TURNED = np.radians(25.0)  # to each other, of two who stand side by side
-_MISSED = 3  # frames for which who moves may not have been seen
 _TRIES = 3  # who comes to somebody who walks meanwhile comes after them
 _ARM = ("upper_arm", "lower_arm", "hand")
 
@@ -143,19 +142,6 @@ def go_to(task: HumanTask, rotations: Array, root: Array, seconds: float) -> Ite
     importance[INDEX["head"]] = HEAD
     way = slerp(task.present.rotations, align(rotations, task.present.rotations), done)
     yield task.block(way, task.present.root + done * (root - task.present.root), importance, targets)
-
-
-def walkers(task: HumanTask) -> Sequence[Walker]:
-    """Who else is on the floor now, and how fast they go."""
-    found: list[Walker] = []
-    for human in task.world.values():
-        if human.kind != "human":
-            continue
-        k, place = float(task.present.k), human.place[:2].copy()
-        seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
-        track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
-        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
-    return found
 
 
 def again(task: HumanTask, **fields: object) -> HumanTask:

@@ -5,8 +5,9 @@ What the shipped algorithms that take the body somewhere share, and an author ma
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,15 +19,16 @@ from ahmss.errors import AlgorithmError
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.library import Library
-from ahmss.walking.trip import Ground, Piece, Trip
+from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
-__all__ = ["IMPORTANCE", "Stance", "ground_of", "in_time", "rows_of", "stepped", "walk_library"]
+__all__ = ["IMPORTANCE", "Stance", "ground_of", "in_time", "rows_of", "stepped", "walk_library", "walkers"]
 
 _FEET = slice(2, 4)
 _CARES = {
     "hips": 1.0, "upper_leg": 1.0, "lower_leg": 1.0, "foot": 1.0, "spine": 0.4, "head": 0.08, "upper_arm": 0.15,
     "lower_arm": 0.15, "hand": 0.15,
 }  # fmt: skip
+_MISSED = 3  # frames for which who moves may not have been seen
 _LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 
 
@@ -56,6 +58,19 @@ def ground_of(task: HumanTask) -> Ground:
     things = [thing for thing in (*task.world.values(), task.object) if thing is not None and thing.kind != "human"]
     shapes = [(ring, thing.name, _top(thing)) for thing in things for ring in thing.occupied]
     return Ground([ring for ring, _, _ in shapes], [name for _, name, _ in shapes], [top for _, _, top in shapes])
+
+
+def walkers(task: HumanTask) -> Sequence[Walker]:
+    """Who else is on the floor now, and how fast they go; nobody where algorithm.toml does not ask for `humans`."""
+    found: list[Walker] = []
+    for human in task.world.values():
+        if human.kind != "human":
+            continue
+        k, place = float(task.present.k), human.place[:2].copy()
+        seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
+        track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
+        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:], human.name))
+    return found
 
 
 def _top(thing: WorldObject) -> float:
@@ -92,7 +107,7 @@ def stepped(
 ) -> Generator[Array, None, Stance]:
     """Frames of the steps to a place that is near, none where one stands there; then how one stands.
 
-    A hand that holds something stays as it is against the trunk.
+    A hand that holds something stays as it is against the trunk. Others are gone round, or waited for.
 
     Args:
         task: whose human stands.
@@ -102,7 +117,7 @@ def stepped(
         to: what one steps to, for the sentence that refuses.
 
     Raises:
-        AlgorithmError: it is too far; says what to do.
+        AlgorithmError: it is too far, or somebody stands in the way; says what to do.
     """
     library, start = walk_library(task), task.start
     standing = Standing.of(task.human, library)
@@ -115,7 +130,10 @@ def stepped(
         raise AlgorithmError(f"{to} is {away:.1f} m from here; walk to {to} first")
     rotations, root = start.rotations.copy(), start.root.copy()
     held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
-    trip = Trip(task.human, library, ground, goal.place, goal.facing, note=task.note, held=task.busy)
+    trip = Trip(
+        task.human, library, ground, goal.place, goal.facing, others=partial(walkers, task), note=task.note,
+        held=task.busy,
+    )  # fmt: skip
     for piece in trip.pieces(start.rotations, start.root):
         rows = rows_of(task, piece)
         rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances

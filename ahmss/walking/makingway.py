@@ -48,14 +48,18 @@ _SAMPLE = 0.02
 
 @dataclass(frozen=True)
 class Walker:
-    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second; whether they are about to stop."""
+    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second; whether they are about to stop.
+
+    name: what a person is told of them by; "" where it is not known.
+    """
 
     place: Array
     velocity: Array
     stops: bool = False
+    name: str = ""
 
     @classmethod
-    def of(cls, seconds: Array, places: Array) -> Walker:
+    def of(cls, seconds: Array, places: Array, name: str = "") -> Walker:
         """From where they were (n, 2) at times (n,), rising, the last one now.
 
         Hips go faster and slower and from side to side at each step, so the velocity is that over a step; who has
@@ -63,13 +67,13 @@ class Walker:
         """
         still = np.zeros(2)
         if len(places) < 2:
-            return cls(places[-1], still)
+            return cls(places[-1], still, name=name)
         last, since = seconds[-1], np.searchsorted(seconds, seconds[-1] - np.array([_STEP, _MOMENT]) - 1e-9)
         step, moment = ((places[-1] - places[i]) / (last - seconds[i]) if i < len(places) - 1 else still for i in since)
         usual, now = np.linalg.norm(step), np.linalg.norm(moment)
         if now < _CHANGED * usual:
-            return cls(places[-1], moment, stops=True)
-        return cls(places[-1], moment if usual < _CHANGED * now else step)
+            return cls(places[-1], moment, stops=True, name=name)
+        return cls(places[-1], moment if usual < _CHANGED * now else step, name=name)
 
     def after(self, seconds: Array) -> Array:
         """Where they will be (..., 2)."""

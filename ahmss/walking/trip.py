@@ -265,7 +265,21 @@ class Trip:
                 continue
             if not self._held_up(own, begun=False):
                 return ahead  # pyright: ignore[reportReturnType]
-        raise AlgorithmError("somebody stands in the way and does not go; take another way, or ask them to move")
+        raise AlgorithmError(self._in_the_way(now))
+
+    def _in_the_way(self, now: Footing) -> str:
+        """Who is waited for in vain: who stands at the goal, else who is nearest to the way."""
+        others = self.others()
+        there = [other for other in others if np.linalg.norm(other.place - self.goal) < _APART]
+        line = shapely.LineString(np.stack([now.place, self.goal]))
+        near = sorted(there or others, key=lambda other: float(line.distance(shapely.Point(other.place))))
+        name = (near[0].name if near else "") or "somebody"
+        if there:
+            x, y = self.goal.tolist()
+            return (
+                f"{name} stands in the way, where one is to stand ({x:.2f} {y:.2f}), and does not go; ask them to move"
+            )
+        return f"{name} stands in the way and does not go; take another way, or ask them to move"
 
     def _held_up(self, own: Array, *, begun: bool) -> bool:
         """Whether others may come into the way of a walk along `own`; it counts how long one has waited for them."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.controls import before, gone_to
+from ahmss.algorithm.controls import before, front_of, gone_to, is_taken, standing
 from ahmss.algorithm.reaching import HEAD, Looking
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -22,6 +22,7 @@ from ahmss.reaching.reacher import heading_of
 from ahmss.walking.goals import Goal
 
 LEGIBLE, NEARER = 1.2, 0.7  # metres, where its properties do not say; of that, from where one comes to read it
+BESIDE = np.radians([0.0, 25.0, -25.0, 38.0, -38.0, 50.0, -50.0])  # about it, from where one reads it beside others
 TURNS = 0.35  # seconds in which the head turns
 ASIDE, OBLIQUE = np.radians(70.0), np.radians(60.0)  # that the head turns aside; from its axis, that it is read from
 
@@ -52,14 +53,23 @@ def check(task: HumanTask) -> Iterator[Array]:
 
 
 def _stand(task: HumanTask) -> Goal:
-    """Where it is read from; what is seen from all sides, from the side where one is, and no nearer than one is."""
+    """Where it is read from, beside those who stand there.
+
+    What is seen from all sides is read from the side where one is, and no nearer than one is.
+    """
     assert task.object is not None
     away = NEARER * _far(task)
-    if not _anywhere(task):
-        return before(task, away)
-    off = (task.start.root - task.object.place)[:2]
-    distance = float(np.linalg.norm(off))
-    return before(task, min(away, distance), front=off / max(distance, 1e-6))
+    if _anywhere(task):
+        off = (task.start.root - task.object.place)[:2]
+        distance = float(np.linalg.norm(off))
+        away, front = min(away, distance), off / max(distance, 1e-6)
+    else:
+        front = front_of(task.object.frame)
+    taken, (x, y) = standing(task), front
+    cos, sin = np.cos(BESIDE), np.sin(BESIDE)
+    fronts = np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1)
+    places = [before(task, away, front=front) for front in fronts]
+    return next((place for place in places if not is_taken(place, taken)), places[0])
 
 
 def _anywhere(task: HumanTask) -> bool:

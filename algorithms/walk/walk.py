@@ -6,13 +6,13 @@ where to, what is in the way, and how much the walk cares for each joint.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.stepping import ground_of, in_time, rows_of, walk_library
+from ahmss.algorithm.stepping import ground_of, in_time, rows_of, walk_library, walkers
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -20,9 +20,8 @@ from ahmss.motion.planting import feet
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library
-from ahmss.walking.trip import Ground, Piece, Trip, Walker
+from ahmss.walking.trip import Ground, Piece, Trip
 
-MISSED = 3  # frames for which who moves may not have been seen
 UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else one bends or leans
 
 
@@ -37,7 +36,7 @@ def walk(task: HumanTask) -> Iterator[Array]:
         yield _stays(task)
         return
     trip = Trip(
-        task.human, library, ground, goal.place, goal.facing, task.length, partial(_others, task),
+        task.human, library, ground, goal.place, goal.facing, task.length, partial(walkers, task),
         task.note, task.busy,
     )  # fmt: skip
     tucking = Tucking(task)
@@ -81,19 +80,6 @@ def _stays(task: HumanTask) -> Array:
     frames = feet(task.human, task.start.rotations, task.start.root)
     rows = [task.start.rotations[:BODY], task.start.root, frames[:, :3], frames[:, 3:]]
     return rows_of(task, Piece(*(np.repeat(row[None], n, axis=0) for row in rows)))
-
-
-def _others(task: HumanTask) -> Sequence[Walker]:
-    """Who else is on the floor now, and how fast they go."""
-    found: list[Walker] = []
-    for human in task.world.values():
-        if human.kind != "human":
-            continue
-        k, place = float(task.present.k), human.place[:2].copy()
-        seen = [*human.seen] if human.seen and human.seen[-1][0] > k - MISSED else []
-        track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
-        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:]))
-    return found
 
 
 if __name__ == "__main__":

@@ -10,9 +10,10 @@ import pytest
 
 from ahmss.algorithm import HumanTask, Transform, frames
 from ahmss.algorithm.controls import front_of
-from ahmss.algorithm.messages import PoseRecord
+from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.errors import AlgorithmError
+from ahmss.walking import trip
 
 from .layouts import Control, Layout, Used, about_z, used
 from .scene import Body, program
@@ -145,3 +146,34 @@ def test_the_front_of_a_control_is_level_whatever_its_slope() -> None:
         np.testing.assert_allclose(front_of(control("gauge", slope).frame), [-1.0, 0.0], atol=1e-9)
     lying = Transform(np.zeros(3), from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(np.pi / 2)))
     np.testing.assert_allclose(front_of(lying), [1.0, 0.0], atol=1e-9)
+
+
+def standing(name: str, x: float, y: float) -> ObjectRecord:
+    """Somebody who stands there, as main tells of them."""
+    return ObjectRecord(-7, name, "human", (x, y, 0.0), (1.0, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("place", [(-1.0, 0.0), (-1.1, 0.1), (0.05, 0.55), (0.05, -0.55)])
+def test_who_stands_on_the_way_or_beside_the_control_is_not_walked_through(place: tuple[float, float]) -> None:
+    lever, body = control("lever", 75.0), Body("ken", -2.2, 0.0, 0.0)
+    start = Layout((lever,)).start(lever, body, "slide", {"level": 0.0}, world=[standing("aiko", *place)])
+    done = used(body, start, "slide")
+    hips = np.array([pose.root[:2] for pose in done.shown])
+    assert np.linalg.norm(hips - place, axis=1).min() > 0.6
+    assert np.linalg.norm(hips[-1] - lever.frame.place[:2]) < 0.8  # it came there
+
+
+def test_who_stands_where_one_would_stand_is_named_when_patience_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trip, "_PATIENCE", 0.5)
+    lever, body = control("lever", 75.0), Body("ken", -2.2, 0.0, 0.0)
+    start = Layout((lever,)).start(lever, body, "slide", {"level": 0.0}, world=[standing("aiko", 0.05, 0.0)])
+    with pytest.raises(AlgorithmError, match="aiko stands in the way, where one is to stand"):
+        used(body, start, "slide")
+
+
+def test_a_gauge_is_read_from_beside_who_reads_it() -> None:
+    gauge, body = control("gauge", 90.0, 1.5), Body("ken", -2.2, 0.0, 0.0)
+    start = Layout((gauge,)).start(gauge, body, "check", {"value": 0.5}, world=[standing("aiko", -0.25, 0.05)])
+    hips = np.array([pose.root[:2] for pose in used(body, start, "check").shown])
+    assert np.linalg.norm(hips - (-0.25, 0.05), axis=1).min() > 0.6
+    assert np.linalg.norm(hips[-1] - gauge.frame.place[:2]) < 1.2
