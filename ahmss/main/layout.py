@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
@@ -16,7 +16,6 @@ from ahmss.errors import AhmssError, Unreachable, WorldError
 from ahmss.main.aside import aside
 from ahmss.main.communication import Communication
 from ahmss.main.delivery import deliver
-from ahmss.world.client import WorldClient
 from ahmss.world.schema import ObjectPose
 from ahmss.world.view import World
 
@@ -44,8 +43,8 @@ class _Seen:
 class Layout:
     """What this main has added, and what the files say of it now.
 
-    Files are read and the server is told in a thread: no frame waits for that. Objects that somebody has moved since
-    stay where they are.
+    Files are read and the server is told in a thread: no frame waits for that. Objects that somebody has carried
+    elsewhere since stay there; those in use follow when they are let go.
     """
 
     def __init__(self, workspace: Workspace, communication: Communication, say: Callable[[str], None]) -> None:
@@ -94,42 +93,61 @@ class Layout:
                     continue
                 top = was.placed[0]
                 now = self._workspace.objects.place(top.kind, name, top.position, top.rotation)
+                waiting: frozenset[str] = frozenset()
                 if now != was.placed:
-                    seen.complaints += self._change(was.placed, now)
-                seen.placed[name] = _Followed(now, kinds)
+                    refusals, waiting = self._change(was.placed, now)
+                    seen.complaints += refusals
+                # What waits is as it was before, and without kinds the next look compares again.
+                seen.placed[name] = _Followed(now, kinds) if not waiting else _Followed(_but(now, was.placed, waiting))
             except AhmssError as error:
                 seen.complaints.append(str(error))
         return seen
 
-    def _change(self, before: tuple[Placed, ...], now: tuple[Placed, ...]) -> list[str]:
-        """Tell the server what changed; its refusals."""
-        refusals: list[str] = []
+    def _change(self, before: tuple[Placed, ...], now: tuple[Placed, ...]) -> tuple[list[str], frozenset[str]]:
+        """Tell the server what changed; its refusals, and what can't be done until it is let go."""
+        refusals: dict[str, None] = {}
+        waiting: set[str] = set()
 
-        def attempt(change: Callable[[], None]) -> None:
+        def attempt(change: Callable[[], None]) -> bool:
             try:
                 change()
             except Unreachable:  # the next look tries again
                 raise
             except WorldError as error:
-                refusals.append(str(error))
+                refusals[str(error)] = None
+                return False
+            return True
 
         changes = difference(before, now)
         with self._communication.errand() as client:
-            for name in changes.removed:
-                attempt(lambda name=name: client.remove(name))
-            if changes.added:
-                attempt(lambda: deliver(client, changes.added, self._workspace))
-            if changes.moved:
-                attempt(lambda: _move(client, changes.moved))
-        return refusals
+            for name in changes.removed:  # children first, and with a child its parents wait
+                if not attempt(lambda name=name: client.remove(name)):
+                    waiting.add(name)
+            added = tuple(one for one in changes.added if not _within(one.name, waiting))
+            if added:
+                attempt(lambda: deliver(client, added, self._workspace))
+            moved = tuple(one for one in changes.moved if not _within(one.name, waiting))
+            world = client.refresh() if moved else None
+            for one in moved:
+                record = world.objects.get(one.name) if world is not None else None
+                if record is None or world is None:
+                    continue
+                if record.holder:
+                    waiting.add(one.name)
+                attempt(lambda one=one, world=world: client.move([_pose(world, one)], layout=True))
+        return list(refusals), frozenset(waiting)
 
 
-def _move(client: WorldClient, entries: Sequence[Placed]) -> None:
-    """Put entries where their file says, but for those that somebody holds or has moved."""
-    world = client.refresh()
-    records = world.objects
-    still = [one for one in entries if (record := records.get(one.name)) and not (record.moved or record.holder)]
-    client.move([_pose(world, one) for one in still], layout=True)
+def _within(name: str, names: Set[str]) -> bool:
+    """Whether an object is one of those, or in one of them."""
+    return any(name == other or name.startswith(f"{other}/") for other in names)
+
+
+def _but(now: Sequence[Placed], before: Sequence[Placed], names: Set[str]) -> tuple[Placed, ...]:
+    """Entries as they are now, but for those of some names, which are as they were before; parents first."""
+    kept = {one.name: one for one in before if one.name in names}
+    kept |= {one.name: one for one in now if not _within(one.name, names)}
+    return tuple(sorted(kept.values(), key=lambda one: one.name.count("/")))
 
 
 def _pose(world: World, placed: Placed) -> ObjectPose:

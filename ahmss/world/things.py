@@ -27,6 +27,7 @@ MOST_OBJECTS = 100_000
 _MOST_STATES = 64
 _LONGEST_NAME = 200
 _LONGEST_VALUE = 1000
+_ELSEWHERE = 1e-6  # metres, and of a quaternion: what is said to be so near is where it was
 _NAME = re.compile(r"[\w.+-]+(/[\w.+-]+)*")
 
 
@@ -167,6 +168,7 @@ class Things:
         moved, table = self.changes.moved, self.poses
         for thing, pose in zip(things, poses, strict=True):
             row = table[thing.id]
+            thing.moved |= bool(thing.holder) and float(np.abs(pose - row).max()) > _ELSEWHERE
             if thing.children:
                 self._carry(owner, thing, row, pose, written)
             row[:] = pose
@@ -277,7 +279,7 @@ class Things:
         self.falls.cancel(thing)
         if hand:
             thing.attached = False
-        thing.moved = True
+            thing.moved = True
         self.changes.put[thing.name] = None
 
     def _let_go(self, thing: Thing) -> None:

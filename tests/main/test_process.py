@@ -287,6 +287,30 @@ def test_new_and_moved_entries_follow_the_file_while_the_world_runs(server: Star
     assert "objectdb/shelf/object.toml" in main.report.messages[0]
 
 
+def test_what_is_in_use_follows_its_file_when_it_is_let_go(server: Start, join: Join, workspace: Path) -> None:
+    shelf = workspace / "objectdb" / "shelf"
+    shelf.mkdir()
+    entry = '[[contains]]\nkind = "box"\nname = "{}"\nposition = [{}, 0.0, 0.0]\n'
+    (shelf / "object.toml").write_text('name = "shelf"\n' + entry.format("one", 0.0) + entry.format("two", 0.2))
+    main = join(server())
+    main.play(steps("add shelf at 1 0 0"))
+    client = main.communication.client
+    client.claim("ken", ["shelf/one", "shelf/two"], "")
+    (shelf / "object.toml").write_text('name = "shelf"\n' + entry.format("one", 0.1))
+    main.play(steps("wait 3.5"))
+    world = main.communication.world
+    assert {name for name in world.objects if "/" in name} == {"shelf/one", "shelf/two"}
+    held = [
+        f"shelf/{what} when it is let go"
+        for what in ("one is held by ken; it can be moved", "two is held by ken; it can be removed")
+    ]
+    assert sorted(main.report.messages) == held  # each said once
+    client.release("ken", ["shelf/one", "shelf/two"])
+    main.play(steps("wait 2.5"))
+    assert {name for name in world.objects if "/" in name} == {"shelf/one"}
+    assert np.abs(world.pose("shelf/one")[:3] - [1.1, 0.0, 0.0]).max() < 1e-6
+
+
 def test_a_new_affordance_and_its_algorithm_work_without_a_restart(ken: MainProcess, workspace: Path) -> None:
     ken.play(steps("do b hail"))
     write_algorithm(workspace, "hail", "human", "", ALGORITHMS["swing"][2])

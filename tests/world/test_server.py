@@ -163,6 +163,25 @@ def test_layout_moves_only_what_nobody_has_touched(start, connect):
         ken.move([ObjectPose("tray/cup", (2.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))], layout=True)
 
 
+def test_layout_moves_what_was_used_but_not_what_was_carried(start, connect):
+    ken = connect(start())
+    join(ken, "ken")
+    number = next(record.id for record in cup_and_tray(ken) if record.name == "tray")
+
+    def held(*, frame: int, at: tuple[float, float, float], hand: str = "") -> bool:
+        ken.claim("ken", ["tray"], hand)
+        ken.publish("ken", frame, ROOT, ROTATIONS, row(number, at))
+        ken.release("ken", ["tray"])
+        return ken.refresh().objects["tray"].moved
+
+    assert not held(frame=1, at=(1.0, 0.0, 1.0))  # used: it stays where it is
+    ken.move([ObjectPose("tray", (2.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0))], layout=True)
+    assert np.allclose(ken.refresh().pose("tray")[:3], [2, 0, 1])
+    assert held(frame=2, at=(2.0, 0.3, 1.0))
+    with pytest.raises(WorldError, match="moved by somebody"):
+        ken.move([ObjectPose("tray", (1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0))], layout=True)
+
+
 def test_two_humans_can_not_hold_one_cup_and_one_gives_it_to_the_other(start, connect):
     server = start()
     ken, aiko, viewer = (connect(server) for _ in range(3))
