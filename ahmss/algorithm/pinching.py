@@ -6,12 +6,13 @@ the hand comes along its x, thumb and fingers close along its z. What the shippe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, smoothest, stood_before
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking, performed, sides_of
@@ -23,6 +24,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding, opener
+from ahmss.grasping.key_grip import curled
 from ahmss.grasping.precision import precision
 from ahmss.grasping.rolling import rolled
 from ahmss.motion.easing import minimum_jerk
@@ -39,6 +41,8 @@ __all__ = ["Part", "gone_back", "pinched", "rows_made"]
 _BEFORE = 0.07  # metres before the part at which the open hand is set, and to which it goes back
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
+_KEEPS = 0.012  # metres that the bones of a hand keep from what is beside, as `clear_of` has it
+_PLATE = 0.1  # metres of it about a control
 _GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
@@ -67,12 +71,16 @@ def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[
     Raises:
         AlgorithmError: thumb and fingers can't close there, or it is out of reach; says so.
     """
-    gaze, taken = Looking(task, part.site.place), dict[str, list[_Grip]]()
+    gaze, taken, boxes = Looking(task, part.site.place), dict[str, list[_Grip]](), _kept_from(task)
     yield gaze.alone()
     for side in sides_of(task):
         for over in _OVER:
             if grip := _grip(task, side, part, over):
                 taken.setdefault(side, []).append(grip)
+            yield gaze.alone()
+    if boxes:  # where fingers that do nothing would be in what is beside it, thumb and index finger take it alone
+        for side, found in taken.items():
+            taken[side] = [_clearer(task, part, grip, boxes) for grip in found]
             yield gaze.alone()
     if not taken:
         name = "it" if task.object is None else task.object.name
@@ -113,7 +121,7 @@ def _made(
     side = plan.reacher.side
     then, closed = _moved(task, part, plan.palm)
     holding = _held(task, part, plan, holding)
-    wide, links = opener(Hand.of(task.human, side), holding), list(fingers(side))
+    wide, links = _wide(task, side, holding), list(fingers(side))
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
     made.rotations[len(made.root) - len(then) :, links] = slerp(wide, holding.shape, closed[:, None])
     return made
@@ -128,7 +136,13 @@ def _held(task: HumanTask, part: Part, plan: Plan, holding: Holding) -> Holding:
     at_rest = thing.frame.inverse().then(task.site)  # the shape has the part so
     palm = at_rest.then(part.site.inverse().then(_palm_on(part, plan.palm)))
     hand = Hand.of(task.human, plan.reacher.side)
-    return rolled(hand, thing.shape.field(at_rest.place), palm.row(), holding)
+    again = rolled(hand, thing.shape.field(at_rest.place), palm.row(), holding)
+    return again if holding.wide is None else curled(hand, again)
+
+
+def _wide(task: HumanTask, side: str, holding: Holding) -> Array:
+    """The fingers (14, 4) before they close."""
+    return opener(Hand.of(task.human, side), holding) if holding.wide is None else holding.wide
 
 
 def _lasting(task: HumanTask, part: Part, palms: dict[str, Array]) -> dict[str, Array]:
@@ -222,22 +236,51 @@ def _grip(task: HumanTask, side: str, part: Part, over: float) -> _Grip | None:
 
 
 def _tilted(task: HumanTask, part: Part, grip: _Grip) -> Array:
-    """Palms (n, 7) that hold the part between the same pads, the hand turned about it: which is easiest is chosen.
+    """Palms (n, 7) that hold the part as `_turned` has them; where things are beside it, those clear of them."""
+    palms, boxes = _turned(part, grip), _kept_from(task)
+    return clear_of(boxes, palms, _points(task, part, grip, palms)) if boxes else palms
 
-    Where there are things beside it, those that leave them alone.
-    """
+
+def _turned(part: Part, grip: _Grip) -> Array:
+    """Palms (n, 7) that hold the part between the same pads, the hand turned about it: which is easiest is chosen."""
     across = rotate(part.site.rotation, np.array([0.0, 0.0, 1.0]))
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
     tilt, roll = (a.ravel() for a in np.meshgrid(_TILTS, _ROLLS, indexing="ij"))
     turned = multiply(from_axis_angle(across, tilt), from_axis_angle(into, roll))
     places = part.site.place + rotate(turned, grip.palm.place - part.site.place)
-    palms = np.concatenate([places, multiply(turned, grip.palm.rotation)], axis=-1)
-    boxes = beside(task)
-    if not boxes:
-        return palms
-    wide = opener(Hand.of(task.human, grip.side), grip.holding)
-    points = [hand_points(task.human, grip.side, palms, shape) for shape in (grip.holding.shape, wide)]
-    return clear_of(boxes, palms, np.concatenate(points, axis=1))
+    return np.concatenate([places, multiply(turned, grip.palm.rotation)], axis=-1)
+
+
+def _kept_from(task: HumanTask) -> list[Box]:
+    """What else a hand keeps from: the controls beside it, if there are any, and the plate that they all are on."""
+    boxes, thing = beside(task), task.object
+    if not boxes or thing is None or "box" not in thing.properties:
+        return boxes
+    low, high = np.array(thing.properties["box"], float)
+    behind = np.array([low[0], *(high[1:] + _PLATE)])
+    return [*boxes, Box(thing.frame, low - _PLATE, behind)]
+
+
+def _points(task: HumanTask, part: Part, grip: _Grip, palms: Array) -> Array:
+    """Points (n, m, 3) of the hand, open and closed, at both ends of the part's way and between, of palms on it."""
+    shapes = (grip.holding.shape, _wide(task, grip.side, grip.holding))
+    on = np.stack([_on(part, Transform.of(palm), np.array([0.0, 0.5, 1.0])) for palm in palms], axis=1)
+    points = [hand_points(task.human, grip.side, some, shape) for some in on for shape in shapes]
+    return np.concatenate(points, axis=1)
+
+
+def _clearer(task: HumanTask, part: Part, grip: _Grip, boxes: Sequence[Box]) -> _Grip:
+    """The grip, or the same with the fingers in the palm that do nothing where that keeps clearer of boxes."""
+    if _clear(task, part, grip, boxes) > _KEEPS:
+        return grip
+    alone = replace(grip, holding=curled(Hand.of(task.human, grip.side), grip.holding))
+    return max((grip, alone), key=lambda one: _clear(task, part, one, boxes))
+
+
+def _clear(task: HumanTask, part: Part, grip: _Grip, boxes: Sequence[Box]) -> float:
+    """Metres between a hand on the part and boxes, tilted as keeps it farthest from them."""
+    points = _points(task, part, grip, _turned(part, grip))
+    return float(np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0).max())
 
 
 def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanTask, Transform, frames
+from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import front_of
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.body.quaternion import from_axis_angle, multiply
@@ -102,6 +103,18 @@ def test_neighbours_of_a_lever_are_left_alone() -> None:
     layout = Layout(tuple(levers))
     done = used(body, layout.start(levers[2], body, "slide", parameters={"level": 1.0}), "slide")
     assert done.nearest(layout.others(levers[2])) > 0.0
+
+
+@pytest.mark.parametrize(("name", "which"), [("ken", 1), ("aiko", 2)])
+def test_neighbours_of_a_switch_are_left_alone(name: str, which: int) -> None:
+    """They are 91 mm apart, as on a panel: fingers that do not turn it are closed into the palm."""
+    row = [control("rotary_switch", 60.0, number=i + 1, aside=0.091 * (i - 2)) for i in range(5)]
+    body = Body(name, 0.0, 0.1, 0.0)
+    layout = Layout(tuple(row))
+    done = used(body, layout.start(row[which], body, "turn", parameters={"along": 0.6, "position": "high"}), "turn")
+    assert done.nearest(layout.others(row[which])) > -0.002
+    plate = Box(row[which].frame, np.array([-0.1, -0.1, -0.1]), np.array([0.0, 0.1, 0.1]))
+    assert done.nearest([plate]) > -0.002
 
 
 def checked(body: Body, gauge: Control, **states: Any) -> tuple[Used, list[str]]:
