@@ -36,6 +36,7 @@ class ParameterEntry(msgspec.Struct, forbid_unknown_fields=True):
     maximum: float | None = None
     unit: str = ""
     sentence: str = ""
+    bounds: str = ""
 
 
 class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
@@ -160,7 +161,7 @@ class AlgorithmFinder:
 def _parameter(document: Document, name: str, raw: dict[str, Any]) -> Parameter:
     place = ("parameters", name)
     entry = document.convert(raw, ParameterEntry, place)
-    parameter = Parameter(entry.type, None, entry.minimum, entry.maximum, entry.unit, entry.sentence)
+    parameter = Parameter(entry.type, None, entry.minimum, entry.maximum, entry.unit, entry.sentence, entry.bounds)
     if entry.default is None:
         return parameter
     try:

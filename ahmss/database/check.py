@@ -84,7 +84,7 @@ def _affordance(workspace: Workspace, kind: ObjectKind, affordance: Affordance) 
         if entry.kind not in ("", key):
             yield f'{place}.{key}_algorithm: "{name}" moves {entry.kind}s; name one that moves {key}s'
         known = None if known is None or entry.parameters is None else known | set(entry.parameters)
-        yield from _filled(f"{place}.parameters", entry, affordance)
+        yield from _filled(f"{place}.parameters", entry, affordance, kind)
     for parameter in affordance.parameters:
         if known is not None and parameter not in known:
             yield f'{place}.parameters: no parameter "{parameter}"{one_of(parameter, known)}'
@@ -101,9 +101,9 @@ def _forwarded(workspace: Workspace, kind: ObjectKind, affordance: Affordance, p
         yield f'{place}.of: "{affordance.of}" does not afford it; it affords: {", ".join(affords) or "nothing"}'
 
 
-def _filled(place: str, entry: AlgorithmEntry, affordance: Affordance) -> Iterator[str]:
+def _filled(place: str, entry: AlgorithmEntry, affordance: Affordance, kind: ObjectKind) -> Iterator[str]:
     try:
-        fill(entry.parameters, affordance.parameters)
+        fill(entry.parameters, affordance.parameters, kind.states)
     except ValueError as error:
         yield f"{place}.{error}"
 

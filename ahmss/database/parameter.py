@@ -7,13 +7,19 @@ from typing import Any
 
 import msgspec
 
-__all__ = ["Parameter", "fill"]
+from ahmss.states.state import State
+
+__all__ = ["Parameter", "fill", "within"]
 
 TYPES = ("float", "int", "bool", "str", "floats")
 
 
 class Parameter(msgspec.Struct, frozen=True):
-    """One parameter: its type (float, int, bool, str, floats), default and range; no default: it must be given."""
+    """One parameter: its type (float, int, bool, str, floats), default and range; no default: it must be given.
+
+    bounds: the name of the parameter that names the object's state in whose range this one is to be, where the object
+    has such a state; only its default may be outside.
+    """
 
     type: str
     default: Any = None
@@ -21,6 +27,7 @@ class Parameter(msgspec.Struct, frozen=True):
     maximum: float | None = None
     unit: str = ""
     sentence: str = ""
+    bounds: str = ""
 
     def convert(self, value: Any) -> Any:
         """A value out of TOML, or typed as text, as this parameter takes it.
@@ -29,6 +36,8 @@ class Parameter(msgspec.Struct, frozen=True):
             ValueError: it has another type or is out of range; the message says what is allowed.
         """
         out = self._typed(value)
+        if self.bounds and out == self.default:
+            return out
         for number in out if isinstance(out, list) else [out]:
             low = self.minimum is not None and number < self.minimum
             if low or (self.maximum is not None and number > self.maximum):
@@ -67,8 +76,25 @@ class Parameter(msgspec.Struct, frozen=True):
         return f"{low} to {high}" + (f" {self.unit}" if self.unit else "")
 
 
-def fill(declared: Mapping[str, Parameter] | None, given: Mapping[str, Any]) -> dict[str, Any]:
+def within(
+    declared: Mapping[str, Parameter], given: Mapping[str, Any], states: Mapping[str, State]
+) -> dict[str, Parameter]:
+    """Parameters as they are for an object with these states: bounded by a state's range where they say so."""
+    out = dict(declared)
+    for name, parameter in declared.items():
+        if parameter.bounds in declared:
+            state = states.get(str(given.get(parameter.bounds, declared[parameter.bounds].default)))
+            if state is not None and state.is_number:
+                out[name] = msgspec.structs.replace(parameter, minimum=state.low, maximum=state.high)
+    return out
+
+
+def fill(
+    declared: Mapping[str, Parameter] | None, given: Mapping[str, Any], states: Mapping[str, State] | None = None
+) -> dict[str, Any]:
     """The values that an algorithm gets: those given that it declares, converted, and its defaults for the rest.
+
+    states: of the object, whose ranges bound some.
 
     Raises:
         ValueError: one has the wrong type, or one without a default is missing; the message starts with its name.
@@ -76,7 +102,7 @@ def fill(declared: Mapping[str, Parameter] | None, given: Mapping[str, Any]) -> 
     if declared is None:
         return dict(given)
     out: dict[str, Any] = {}
-    for name, parameter in declared.items():
+    for name, parameter in within(declared, given, states or {}).items():
         if name in given:
             try:
                 out[name] = parameter.convert(given[name])

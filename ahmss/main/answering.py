@@ -14,7 +14,7 @@ import numpy as np
 
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
-from ahmss.database.parameter import Parameter
+from ahmss.database.parameter import Parameter, within
 from ahmss.errors import AhmssError, CommandError
 from ahmss.main.afforded import meant, offered, why_not
 from ahmss.main.catalogue import WorldCatalogue
@@ -143,7 +143,8 @@ class Answering:
         told: dict[str, str] = {}
         for algorithm in (affordance.human_algorithm, affordance.object_algorithm):
             declared = main.workspace.algorithms.find(algorithm, directory).parameters if algorithm else None
-            for key, parameter in (declared or {}).items():
+            bounded = within(declared or {}, affordance.parameters, what.kind.states)
+            for key, parameter in bounded.items():
                 told[key] = _in_words(parameter, affordance.parameters.get(key, parameter.default))
         return Action(action, sentence, list(affordance.asks), affordance.frames, told)
 

@@ -118,7 +118,7 @@ class Database:
         if PATIENCE not in (human.parameters or {}):  # it is main's own
             given.pop(PATIENCE, None)
         try:
-            parameters = fill(human.parameters, given)
+            parameters = fill(human.parameters, given, kind.states)
             object_parameters = fill(entry.parameters, given) if entry else {}
         except ValueError as error:
             raise CommandError(f"{title}: parameter {error}") from None

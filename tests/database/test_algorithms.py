@@ -9,6 +9,7 @@ import pytest
 from ahmss.database import Workspace
 from ahmss.database.parameter import Parameter, fill
 from ahmss.errors import CommandError, DataError
+from ahmss.states.state import State
 
 from .conftest import add_algorithm
 
@@ -123,6 +124,19 @@ def test_a_new_algorithm_and_a_changed_one_are_seen(workspace: Workspace) -> Non
     assert workspace.algorithms.find("nod").sentence == "Nods."
     add_algorithm(workspace, "nod", NOD.replace("Nods.", "Nods slowly."))
     assert workspace.algorithms.find("nod").sentence == "Nods slowly."
+
+
+def test_a_parameter_may_be_bounded_by_the_state_that_another_names() -> None:
+    level = Parameter("float", default=-1.0, minimum=-1.0, maximum=1.0, bounds="state")
+    declared = {"level": level, "state": Parameter("str", default="height")}
+    states = {"height": State(0.0, low=0.0, high=0.4), "lid": State("shut", values=("shut", "open"))}
+    for value in (0.0, 0.4, -1.0):  # the default has a meaning of its own
+        assert fill(declared, {"level": value}, states)["level"] == value
+    for value in (-0.5, 0.5):
+        with pytest.raises(ValueError, match=f"level: {value} is out of range; allowed: 0 to 0\\.4"):
+            fill(declared, {"level": value}, states)
+    assert fill(declared, {"level": 0.5, "state": "lid"}, states)["level"] == 0.5  # no number bounds it
+    assert fill(declared, {"level": 0.5})["level"] == 0.5
 
 
 def test_parameters_are_filled_converted_and_ranged() -> None:
