@@ -238,10 +238,10 @@ def _next_ask(draft: _Draft) -> _Draft:
 
 
 def _choose(text: str, names: Sequence[str], what: str) -> str:
-    """The name that was meant: itself, or the only one whose last part it is."""
+    """The name that was meant: itself, or the only one whose last part, or parts, it is."""
     if text in names:
         return text
-    meant = [name for name in names if name.rsplit("/", 1)[-1] == text]
+    meant = [name for name in names if name.endswith(f"/{text}")] if text else []
     if len(meant) == 1:
         return meant[0]
     if not text:

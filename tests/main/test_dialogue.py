@@ -111,3 +111,21 @@ def test_a_wrong_answer_is_refused_and_asked_again(dialogue: Dialogue, answers: 
         dialogue.answer(answers[-1])
     assert error in str(caught.value)
     assert dialogue.question == question
+
+
+def test_an_object_is_named_by_as_many_of_its_last_parts_as_it_takes() -> None:
+    class Panels(Shelf):
+        def objects(self) -> Listing:
+            names = ("room/panel/lever_5", "room/desk/lever_5", "room/desk")
+            return Listing("objects", tuple((name, "a thing") for name in names))
+
+        def actions(self, name: str) -> Listing:
+            return Listing("actions", (("slide", f"slide {name}"),))
+
+    dialogue = Dialogue(Panels())
+    with pytest.raises(CommandError, match='which "lever_5"'):
+        dialogue.answer("lever_5")
+    with pytest.raises(CommandError, match='no object "esk/lever_5"'):
+        dialogue.answer("esk/lever_5")
+    dialogue.answer("panel/lever_5")
+    assert dialogue.question.prompt == "what to do with room/panel/lever_5"
