@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from ahmss.main.process import MainProcess, Setup
 
 __all__ = ["Agenda", "Follower"]
+
+_LONGEST_WAIT = 60.0  # seconds, by the frames
 
 
 class Follower(Protocol):
@@ -168,7 +171,7 @@ class Agenda:
             case Do() as line:
                 self._do(line)
             case Wait() as line:
-                self._wait(line)
+                self._wait(line, step)
             case Sync():
                 if len(self._setup.names) > 1:
                     scene = self._main.communication
@@ -196,7 +199,7 @@ class Agenda:
         self._doing, self._failures = title(orders), main.control.failures
         self.said(f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs")
 
-    def _wait(self, line: Wait) -> None:
+    def _wait(self, line: Wait, step: Step) -> None:
         self._check_name(line.human)
         if not line.object:
             frames = round(line.seconds * self._setup.rate)
@@ -205,7 +208,18 @@ class Agenda:
             return
         main = self._main
         comparison = Comparison(main.workspace, main.communication, line.object, line.state, line.operator, line.value)
-        self._waits = lambda: not comparison.holds
+        # Where nothing else goes on than a script, what takes longer never comes; a person may take any time.
+        usual = _LONGEST_WAIT if self._setup.fast else math.inf
+        seconds = usual if line.within is None else line.within
+        end = main.report.frames + seconds * self._setup.rate
+
+        def waits() -> bool:
+            if comparison.holds or main.report.frames < end:
+                return not comparison.holds
+            self._trouble(step, CommandError(comparison.missed(seconds)))
+            return False
+
+        self._waits = waits
 
     def _add(self, line: Add, step: Step) -> None:
         """Shapes are read and sent in a thread, so that the body stays alive; in lockstep at once."""

@@ -3,7 +3,7 @@
     line   = "add" KIND ["as" NAME] ["at" X Y [Z]] ["facing" DEG]  |  "remove" NAME  |  "set" OBJECT STATE VALUE
            | "human" NAME ["body" BODY] ["at" X Y] ["facing" DEG]
            | [HUMAN ":"] "do" chain { "with" chain }
-           | [HUMAN ":"] "wait" ( SECONDS | OBJECT STATE OP VALUE )  |  "sync"
+           | [HUMAN ":"] "wait" ( SECONDS | OBJECT STATE OP VALUE ["within" SECONDS] )  |  "sync"
     chain  = act { "then" act }
     act    = ( OBJECT | "at" X Y [Z] ) ACTION { detail } ["frames" N] ["after" N]
     detail = ("to" | "at") X Y [Z] | "to" NAME | "facing" DEG | "hand" ("left" | "right") | "pose" CLIP | KEY "=" VALUE
@@ -110,7 +110,7 @@ class Do:
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """Wait for some seconds, or until an object's state compares as said."""
+    """Wait for some seconds, or until an object's state compares as said, `within` seconds at most (None: as usual)."""
 
     seconds: float = 0.0
     object: str = ""
@@ -118,6 +118,7 @@ class Wait:
     operator: str = ""
     value: Value = ""
     human: str = ""
+    within: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,13 +215,18 @@ class _Reader:
     def _wait(self, human: str = "") -> Wait:
         self.wanted.append("SECONDS")
         if self._is_number():
-            seconds = self._number("SECONDS")
-            return Wait(seconds, human=human) if seconds >= 0.0 else self._refuse(-1, "seconds that are not negative")
+            return Wait(self._seconds(), human=human)
         name, state = self._name("OBJECT"), self._name("STATE")
         for operator in OPERATORS:
             if self._take(operator):
-                return Wait(0.0, name, state, operator, self._value(), human)
+                value = self._value()
+                within = self._seconds() if self._take("within") else None
+                return Wait(0.0, name, state, operator, value, human, within)
         return self._refuse()
+
+    def _seconds(self) -> float:
+        seconds = self._number("SECONDS")
+        return seconds if seconds >= 0.0 else self._refuse(-1, "seconds that are not negative")
 
     def _do(self, human: str = "") -> Do:
         acts = [self._act()]

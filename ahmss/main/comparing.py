@@ -54,6 +54,12 @@ class Comparison:
         record = self._scene.objects.get(self.object)
         return "" if record is None else record.states.get(self._state, "")
 
+    def missed(self, seconds: float) -> str:
+        """What is told of it where it did not come to hold in so many seconds."""
+        said = f"{self.object} {self._state} {self._operator} {self._value}"
+        now = self.value
+        return f"{said} has not come in {seconds:g} s; it is {f'{now:.3g}' if isinstance(now, float) else now}"
+
     @property
     def holds(self) -> bool:
         """Whether it compares so; a word and a number only differ."""

@@ -42,6 +42,7 @@ from ahmss.main.command import Act, Add, Do, Human, Line, Remove, Set, Sync, Wai
         ("wait 1.5", Wait(1.5)),
         ("aiko: wait lamp power == on", Wait(0.0, "lamp", "power", "==", "on", "aiko")),
         ("wait door angle >= 0.4", Wait(0.0, "door", "angle", ">=", 0.4)),
+        ("wait door angle >= 0.4 within 20", Wait(0.0, "door", "angle", ">=", 0.4, within=20.0)),
         ("sync", Sync()),
         ("", None),
         ("   # only a comment", None),

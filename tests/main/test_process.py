@@ -10,6 +10,7 @@ import pytest
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
+from ahmss.main import agenda
 from ahmss.main.process import MainProcess, Setup
 from ahmss.world.process import ServerProcess
 from tests.main.conftest import ALGORITHMS, make_workspace, write_algorithm, write_peer
@@ -285,6 +286,17 @@ def test_new_and_moved_entries_follow_the_file_while_the_world_runs(server: Star
     main.play(steps("wait 2.5"))
     assert len(main.report.messages) == 1
     assert "objectdb/shelf/object.toml" in main.report.messages[0]
+
+
+@pytest.mark.parametrize(("within", "frames"), [(" within 0.5", 30), ("", 60)])
+def test_what_never_comes_is_waited_for_so_long_and_told(
+    ken: MainProcess, monkeypatch: pytest.MonkeyPatch, within: str, frames: int
+) -> None:
+    monkeypatch.setattr(agenda, "_LONGEST_WAIT", 1.0)
+    begun = ken.report.frames
+    ken.play(steps(f"wait b lid == open{within}"))
+    assert frames <= ken.report.frames - begun < frames + 5
+    assert ken.report.messages == [f"line 1: b lid == open has not come in {frames / 60:g} s; it is shut"]
 
 
 def test_what_is_in_use_follows_its_file_when_it_is_let_go(server: Start, join: Join, workspace: Path) -> None:
