@@ -371,7 +371,10 @@ def doctor(as_json: Json = False) -> None:
 def bench(
     what: Annotated[
         list[str] | None,
-        typer.Argument(help="start, compute, display, server, latency, body, polygons, starts, shown; left out: all."),
+        typer.Argument(
+            help="start, compute, display, server, latency, body, lookup, memory, polygons, starts, shown; "
+            "left out: all."
+        ),
     ] = None,
     as_json: Json = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="A table for the documentation.")] = False,
