@@ -34,6 +34,7 @@ HEIGHT = 0.63  # of the stature, the mean of both
 EYES = 0.936  # of the stature
 TURNS = np.radians(np.arange(-180.0, 180.0, 15.0))  # of the thing about the vertical
 NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have gone since it came
+WIDE = 0.1  # metres from its middle to a corner: what is wider is taken at its margin
 STILL, FRAMES = 0.002, 9  # metres in so many frames
 LOOKS = 0.4  # seconds, from where one looked to the other's eyes
 OPENS, BACK, AWAY, HOME = 0.4, 0.08, 0.35, 0.9  # seconds, metres, seconds, seconds
@@ -113,7 +114,8 @@ def _has_closed(task: HumanTask, whom: WorldObject, hand: str, track: deque[Arra
     tip = palm.inverse().apply(whom.site(f"{hand}_fingers", task.start.root).place)
     at = task.object.frame.apply(np.array(task.object.sites[task.message.site].position)) if task.message.site else None
     at = task.object.place if at is None else at
-    if float(np.linalg.norm(palm.place - at)) > NEAR:
+    half = 0.5 * float(np.linalg.norm(task.object.properties.get("size", (0.0, 0.0))[:2]))
+    if float(np.linalg.norm(palm.place - at)) > NEAR + (half if half > WIDE else 0.0):
         track.clear()
         first.pop(hand, None)
         return False

@@ -7,13 +7,14 @@ other's. When it has closed, both stand still until the thing has changed hands.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.company import Watching, aside_of, settled
 from ahmss.algorithm.grasping import closing, read_shape
+from ahmss.algorithm.margins import Margin, margins
 from ahmss.algorithm.meeting import FACING, again, come_to
 from ahmss.algorithm.messages import Goal as MessageGoal
 from ahmss.algorithm.place import WorldObject
@@ -32,6 +33,7 @@ from ahmss.reaching.reacher import Reacher, seat
 
 NEAR = 1.45  # metres to who gives, from where on it may be held out
 SHARES = (0.35, 0.68)  # of the way to them, between which it is held out
+LOW, EYES = 0.66, 0.936  # of the mean stature: up to where a thing is held out; how high eyes are
 STILL, FRAMES = 0.004, 10  # metres in so many frames
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
 OPPOSITE = np.radians(75.0)  # how far from straight opposite the giver's palm the own one may come
@@ -49,20 +51,31 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     read_shape(task)
     yield from _until_held_out(task, whom)
     begun = again(task)
+    sides = margins(begun, side)
     goal = _goal(begun, whom, side)
+    if sides:  # something flat: at a margin that the giver does not hold
+        goal = Goal(goal.place, palms={side: np.concatenate([margin.palms for margin in sides])})
     gaze = Looking(begun, goal.place)
     reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
     plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
     made = yield from performed(begun, reaching, plan, gaze, _opened(side))
     yield begun.block(made.rotations, made.root, made.importance, made.targets)
     last = begun.block(made.rotations, made.root, made.importance, made.targets)[-1]
-    closed = _closed(again(task, hand=side, frames=round(CLOSES * task.rate)), side, last)
+    closed = _closed(_held_at(task, sides, plan.palm, side, round(CLOSES * task.rate)), side, last)
     yield closed
     pose = HumanPose.of(closed[-1])
     yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
     wait = round(OPENS * task.rate)
     yield np.repeat(closed[-1:], wait, axis=0)
     yield _drawn(task, side, pose, begun)
+
+
+def _held_at(task: HumanTask, sides: Sequence[Margin], palm: Array, side: str, frames: int) -> HumanTask:
+    """The task of closing the hand: at the margin where it is (7,), if the thing has margins."""
+    if not sides:
+        return again(task, hand=side, frames=frames)
+    here = min(sides, key=lambda margin: float(np.linalg.norm(margin.palms[:, :3] - palm[:3], axis=1).min()))
+    return here.task(task, hand=side, frames=frames)
 
 
 def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | HumanPose]:
@@ -85,7 +98,9 @@ def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | Huma
         if abs(aside_of(task, whom.place)) > FACING:
             yield from come_to(task, whom, (0.0, distance, NEAR))
         share = float((task.object.place - here)[:2] @ way) / distance**2
-        if SHARES[0] < share < SHARES[1] and settled(track, FRAMES, STILL):
+        mean = 0.5 * (task.human.stature + float(whom.site("eyes", here).place[2]) / EYES)
+        low = float(task.object.place[2]) < LOW * mean  # what is held before the eyes is read, not held out
+        if SHARES[0] < share < SHARES[1] and low and settled(track, FRAMES, STILL):
             return
     seconds = task.parameter("patience", 30.0)
     raise AlgorithmError(f"{whom.name} has not held out {task.object.name} within {seconds:g} s")
