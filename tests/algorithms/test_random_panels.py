@@ -1,0 +1,42 @@
+"""Levers and gauges among switches, placed and tilted at random, are used, and nothing beside them is touched."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ahmss.errors import AlgorithmError
+
+from .layouts import Layout, somebody, used
+
+KINDS = ("lever", "rotary_switch", "gauge")
+DOES = {"lever": ("slide", {"level": 1.0}), "gauge": ("check", {})}
+FAST = range(3)
+
+
+def use_one_of_each(seed: int) -> None:
+    layout, reached = Layout.drawn(seed, KINDS), 0
+    for k, kind in enumerate(DOES):
+        control = next(one for one in layout.controls if one.kind == kind)
+        action, parameters = DOES[kind]
+        body = somebody(("ken", "aiko")[(k + seed) % 2], control, 100 * seed + k)
+        try:
+            done = used(body, layout.start(control, body, action, parameters=parameters), action)
+        except AlgorithmError as error:
+            if "too short" not in str(error):
+                raise
+            continue
+        reached += 1
+        assert done.nearest(layout.others(control)) > -0.002, kind
+    assert reached >= len(DOES) - 1
+
+
+@pytest.mark.parametrize("seed", FAST)
+def test_a_control_anywhere_is_used_and_its_neighbours_are_left_alone(seed: int) -> None:
+    use_one_of_each(seed)
+
+
+def test_the_layouts_have_all_kinds() -> None:
+    kinds = {control.kind for seed in FAST for control in Layout.drawn(seed, KINDS).controls}
+    assert kinds == set(KINDS)
+    assert np.unique([control.frame.place for control in Layout.drawn(0, KINDS).controls], axis=0).shape[0] == 40
