@@ -23,6 +23,7 @@ __all__ = ["Hanging"]
 _AHEAD = (0, 4, 8, 12, 16)  # frames that are looked at
 _AIR = 0.010  # metres of air that are kept: a hand that hangs has a hip beside it
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
+_MOVES = 0.15  # metres aside that a hand may come: what is farther off is not looked at
 _ALL = 0.04  # metres aside at which it counts in full
 
 
@@ -53,15 +54,18 @@ class Hanging:
         points = _gone_on(points)
         radii = radii + (_AIR - AIR)
         room = float(radii.max()) + AIR
+        ends = points.min(axis=(0, 1)) - room - _MOVES, points.max(axis=(0, 1)) + room + _MOVES
+        prisms = [prism for prism in prisms if prism.meets(*ends)]
         gap = (clearance(prisms, points, room) - radii).min(axis=-1) - AIR if prisms else np.full(len(points), np.inf)
+        under = [~prism.over(root) for prism in prisms]
         for k in range(len(shares)):
             ahead = k + np.array(_AHEAD)
             if self.still and gap[ahead].min() > 0.0:
                 continue
             in_the_way = [
                 prism
-                for prism in prisms
-                if not prism.over(root[k, None])[0] and clearance([prism], points[k] + self._aside.moved).min() > -_DEEP
+                for prism, beside in zip(prisms, under, strict=True)
+                if beside[k] and clearance([prism], points[k] + self._aside.moved).min() > -_DEEP
             ]
             moved = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
             rotations[k, self._reacher.links] = with_hand_moved(self._reacher, rotations[k], root[k], moved)

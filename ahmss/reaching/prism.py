@@ -70,6 +70,11 @@ class Prism:
         off = np.maximum(np.maximum(low - points, points - high), 0.0)
         return np.sqrt(np.einsum("ni,ni->n", off, off))
 
+    def meets(self, low: Array, high: Array) -> bool:
+        """Whether the upright box around it meets the one from a lowest to a highest corner (3,)."""
+        own = self._made.box
+        return bool((own[0] <= high).all() and (own[1] >= low).all())
+
     def over(self, points: Array) -> Any:
         """Whether points (n, 2) or (n, 3) are within its outline, seen from above."""
         return shapely.contains_xy(self._made.shape, points[:, 0], points[:, 1])
