@@ -78,9 +78,10 @@ class _Pool:
         self._fill()
         self._read_ahead()
         while self._deaths < _DEATHS:
-            for descriptor, _ in self._poll.poll(self._patience()):
-                action = self._actions.get(descriptor)
-                if action is not None:
+            ready = [descriptor for descriptor, _ in self._poll.poll(self._patience())]
+            for descriptor, action in [(descriptor, self._actions.get(descriptor)) for descriptor in ready]:
+                # One that was closed by an action before may be another one's number already.
+                if action is not None and self._actions.get(descriptor) is action:
                     action()
             now = time.monotonic()
             self._end_orphans(now)
