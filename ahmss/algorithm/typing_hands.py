@@ -129,7 +129,7 @@ class TypingHand:
         return replace(self, rest=palm, _goes={}, thumb=self._pad_of("thumb", palm[None], self.thumb)[0])
 
     def goes(self, strokes: Sequence[Stroke], palm: Array) -> Array:
-        """How far (k, 3) a hand that rests there (7,) goes for its strokes, to every side at the most; and not at all."""
+        """How far (k, 3) a hand that rests there (7,) goes for its strokes to every side, and not at all."""
         hand = self.resting(palm)
         shifts = np.array([np.zeros(3), *(hand._shift(stroke) for stroke in strokes if stroke.side == self.side)])
         ends = {int((shifts[:, :2] @ way).argmax()) for way in _WAYS}
