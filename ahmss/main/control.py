@@ -22,6 +22,7 @@ from ahmss.main.motion import Motion, Mover, Shown
 from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.people import People
 from ahmss.main.surroundings import NOTHING, Surroundings, among, known, latest
+from ahmss.main.telling import told
 from ahmss.world.link import Pending
 
 __all__ = ["Control"]
@@ -477,7 +478,7 @@ class Control:
                 elif isinstance(message, State):
                     self._change_states(message)
                 elif isinstance(message, Note):
-                    self._note(f"{motion.order.title}: {message.text}")
+                    self._tell(motion.order, message.text)
                 else:
                     motion.over = True
         except AhmssError as error:
@@ -503,10 +504,15 @@ class Control:
                 elif isinstance(message, State):
                     self._change_states(message)
                 elif isinstance(message, Note):
-                    self._note(f"{mover.order.title}: {message.text}")
+                    self._tell(mover.order, message.text)
         except AhmssError as error:
             self._lose(mover, str(error))
         self._show_next(mover)
+
+    def _tell(self, order: Order, text: str) -> None:
+        """An algorithm has something to say; what states its object has, as they are now."""
+        thing = self._communication.objects.get(order.object)
+        self._note(f"{order.title}: {told(text, thing.states if thing is not None else {})}")
 
     def _change_states(self, state: State) -> None:
         """An algorithm has changed the states of an object."""

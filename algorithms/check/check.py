@@ -95,12 +95,10 @@ def _legible(task: HumanTask) -> bool:
 
 
 def _said(task: HumanTask) -> str:
-    """What it shows, in a sentence."""
+    """What it shows, in a sentence: main puts in what that is as it is told, not as the motion began."""
     assert task.object is not None
     state = task.parameter("state", "value")
-    value = task.object.states.get(state)
-    shown = "nothing" if value is None else f"{value:.2f}" if isinstance(value, float) else str(value)
-    return f"{state} is {shown}"
+    return f"{state} is {{{state}}}" if state in task.object.states else f"{state} is nothing"
 
 
 if __name__ == "__main__":
