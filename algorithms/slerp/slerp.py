@@ -155,7 +155,7 @@ def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row:
     if task.carried and to_face:
         on_face = face(task, task.start.rotations, task.start.root).inverse().then(present)
         before = np.broadcast_to(base.then(on_face).row(), shape)
-    elif not task.carried:
+    elif not task.carried or _begins_there(task):
         before = np.broadcast_to(present.row(), shape)
     stops = np.stack([before, *ends])  # (K + 1, n, 7)
     a, b = stops[course.key, frames], stops[course.key + 1, frames]
@@ -165,10 +165,15 @@ def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row:
     rise = task.parameter("arc", 0.03) * 16.0 * course.done**2 * (1.0 - course.done) ** 2
     out[:, 2] += np.where((course.key == 0) & (not task.carried), rise, 0.0)
     out[:, 3:7] = interpolate(a[:, 3:], b[:, 3:], minimum_jerk(course.time / TURNED_BY))
-    first = 0.0 if task.carried and not to_face else staged.local[0, row, 7]
+    first = 0.0 if task.carried and not to_face and not _begins_there(task) else staged.local[0, row, 7]
     weights = np.concatenate([[first], staged.local[:, row, 7]])
     out[:, 7] = weights[course.key] + course.done * (weights[course.key + 1] - weights[course.key])
     return out
+
+
+def _begins_there(task: HumanTask) -> bool:
+    """Whether the way begins where the hand is: what it holds is moved away from where it stands itself."""
+    return task.hold == "keep" and task.site is not None and task.goal_place is None
 
 
 def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) -> list[Transform]:

@@ -86,6 +86,21 @@ def test_a_held_cup_is_put_where_it_shall_be() -> None:
     assert rotate(cup.rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
 
 
+def test_who_is_carried_on_raises_a_cup_straight_from_where_it_stands() -> None:
+    """The hand is led from the first frame: left to the joints it would go through the table on its way."""
+    body = Body()
+    body.do("slerp", body.start(CUP, "reach", **REACH))
+    grip = body.grip()
+    made = [pose.targets[RIGHT_HAND] for pose in frames(program("slerp"), body.start(CUP, "lift", carried=True))]
+    way = np.array(made)
+    np.testing.assert_allclose(way[:, 7], 1.0)
+    np.testing.assert_allclose(way[0, :3], grip.place, atol=1e-3)
+    assert np.diff(way[:, 2]).min() > 0.0
+    assert way[-1, 2] - grip.place[2] == pytest.approx(0.17, abs=0.02)
+    along = (way[-1, :3] - grip.place) / np.linalg.norm(way[-1, :3] - grip.place)
+    np.testing.assert_allclose(np.cross(way[:, :3] - grip.place, along), 0.0, atol=1e-6)
+
+
 @pytest.mark.parametrize("name", ["ken", "aiko"])
 def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
     body = Body(name)
