@@ -12,9 +12,10 @@ from ahmss.body.array import Array
 
 __all__ = ["around"]
 
-_APART = 0.09, 0.11  # metres across the way from leg to leg, where they pass: at the ankle and at the knee
-_LONG = 0.35  # metres ahead or behind, where they do not pass each other yet
+_APART = 0.09  # metres across the way from leg to leg, where they pass
+_LONG = 0.22, 0.35  # metres ahead or behind, where they do not pass each other yet: ankles, knees
 _KNEE = 0.25  # metres that the knee of a leg in the air is ahead of its ankle; that of the other leg is over it
+_HIPS = 0.17  # metres from hip to hip: knees are half as far apart as ankles, and half as far as hips
 _ALONG = 0.7  # cosine of how far from the way the foot that bears may be turned: else one turns on the spot
 _BEHIND = 0.08  # metres behind that foot, from where one must come to pass it
 _BESIDE = 0.05  # metres behind it that one must come to
@@ -40,9 +41,12 @@ def around(ankle: Array, u: Array, heading: Array, stands: tuple[Array, float], 
     if _ahead(stands[1]) @ ahead < _ALONG or along[0] > -_BEHIND or along[-1] < -_BESIDE:
         return np.zeros_like(ankle)
     needed = np.zeros(len(u))
-    for off, apart in zip((ankle - stood, ankle + _KNEE * _ahead(heading) - stood), _APART, strict=True):
-        passing = np.clip(1.0 - (off @ ahead / _LONG) ** 2, 0.0, 1.0)
-        needed = np.maximum(needed, (apart - off @ outward) * passing)
+    off = ankle - stood
+    knee = off + _KNEE * _ahead(heading)
+    across = off @ outward, knee @ outward + 0.5 * (_HIPS - off @ outward)
+    for along, apart, long in zip((off @ ahead, knee @ ahead), across, _LONG, strict=True):
+        passing = np.clip(1.0 - (along / long) ** 2, 0.0, 1.0)
+        needed = np.maximum(needed, (_APART - apart) * passing)
     aside = min((_covering(needed, u, falls) for falls in _FALLS), key=lambda one: float(one.max()))
     return aside[:, None] * outward
 
