@@ -43,15 +43,16 @@ _STATURE = 1.72
 class Tucking:
     """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone.
 
-    first: frames in which it is careful, as who sets out from beside a thing turns there.
+    first: frames in which it is careful, as who sets out from beside a thing turns there. but: an arm that is left
+    alone as well, and with it the task's object, which it moves.
     """
 
-    def __init__(self, task: HumanTask, first: int = _FIRST) -> None:
+    def __init__(self, task: HumanTask, first: int = _FIRST, but: str = "") -> None:
         self._first = first
         self._task, self._given = task, np.zeros((0, 4))
         self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
-        self._sides = [side for side in _SIDES if side not in task.busy]
-        self._prisms = prisms_of(task)
+        self._sides = [side for side in _SIDES if side not in task.busy and side != but]
+        self._prisms = [prism for prism in prisms_of(task) if not (but and prism.sought)]
         self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
         self._level = {side: np.zeros(3) for side in _SIDES}
         self._wanted = dict.fromkeys(_SIDES, first > 0)

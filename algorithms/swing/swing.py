@@ -16,6 +16,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, walk_library
+from ahmss.algorithm.tucking import Tucking
 from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
@@ -49,6 +50,7 @@ STANDS = {
 TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even at half the way
 NEAR, MOST = (0.05, np.radians(5.0)), 2.0  # metres and radians: who stands so is not moved; metres that are stepped
 COMES, CLOSES, OPENS, LEAVES = 0.95, 0.3, 0.25, 0.6  # seconds
+LOOSENS = 0.8  # seconds in which the free arm comes from how one stood to how it swings
 BEFORE, BACK = 0.08, 0.07  # metres before the lever from which the hand comes, and to which it goes back
 DIAMETER, INTO_FINGERS = 0.022, 0.0165  # metres: of a lever that does not say; how far it lies towards the fingers
 PALM, SKIN = 0.0065, 0.003  # metres that palm and fingers are thicker than they are told to be
@@ -125,6 +127,8 @@ def swing(task: HumanTask) -> Iterator[Array]:
     goes, then = hand.goes(stance)
     parts = (comes, goes, hand.leaves(then))
     rows, palms, shape, bends = (np.concatenate(column) for column in zip(*parts, strict=True))
+    _loosened(task, door.hand, rows, len(comes[0]))
+    rows = Tucking(task, but=door.hand).over(rows)
     yield hand.brought(rows, palms, shape, bends)
 
 
@@ -157,8 +161,8 @@ class Taking:
         off = 1.0 - minimum_jerk((at - 0.55 * COMES - later) / (0.45 * COMES))
         on = self._off(self.door.angle, BEFORE * off, out * off)
         own = grips(self.task.human, stance.rotations, stance.root)[self.reacher.row]
-        places = own[:3] + minimum_jerk(way / 0.9)[:, None] * (on[:, :3] - own[:3])
-        palms = np.concatenate([places, slerp(own[3:], on[:, 3:], minimum_jerk(way / 0.8))], axis=1)
+        places = own[:3] + minimum_jerk(at / COMES / 0.9)[:, None] * (on[:, :3] - own[:3])
+        palms = np.concatenate([places, slerp(own[3:], on[:, 3:], minimum_jerk(at / COMES / 0.8))], axis=1)
         fist, wide = self._fist(np.zeros(1)), self._wide(0.0)
         shape = np.concatenate(
             [
@@ -294,6 +298,19 @@ class Taking:
         for busy in self.task.busy:
             importance[:, Reacher.of(skeleton, busy).links] = 0.0
         return out
+
+
+def _loosened(task: HumanTask, hand: str, rows: Array, first: int) -> None:
+    """Let the free arm come from how one stood to how it swings in the steps, which are those of frames from `first`.
+
+    A walk that ended beside a thing has left it drawn in.
+    """
+    rotations = rows[:, 4:176].reshape(-1, 43, 4)
+    share = minimum_jerk(np.arange(1, len(rows) - first + 1) / (LOOSENS * task.rate))[:, None]
+    for side in ("right", "left"):
+        if side != hand:
+            arm = Reacher.of(task.human, side).links
+            rotations[first:, arm] = slerp(rotations[first - 1, arm], rotations[first:, arm], share)
 
 
 def _softly(share: Array) -> Array:

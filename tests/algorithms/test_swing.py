@@ -13,16 +13,19 @@ from ahmss.algorithm import HumanPose, Transform, frames
 from ahmss.bench.solids import Solids
 from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips
+from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX, LINKS, fingers
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.quality import worst_pop
+from ahmss.reaching.prism import clearance
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import skin_of
 from tests.demo.skin import Skin
 from tests.grasping.shapes import kind, outside
 
-from .reached import outlined
-from .scene import DOOR, WORKSPACE, Body, program
+from .reached import TABLE, outlined, prisms
+from .scene import DOOR, WORKSPACE, Body, program, record
 from .solids import JAMBS, LEAF, deepest
 
 SOLIDS = Solids(WORKSPACE)
@@ -202,6 +205,30 @@ def test_it_is_done_from_a_step_or_two_elsewhere(seed: int) -> None:
 def test_a_leaf_left_half_way_is_swung_on() -> None:
     made = swung("ken", "close", BEFORE, 90.0, angle=0.7)
     assert abs(made.angle[-1]) < np.radians(2.0)
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_a_hand_that_was_drawn_in_stays_clear_of_the_table_or_is_let_down_and_nothing_jumps(*, beside: bool) -> None:
+    closed, body = Transform(np.zeros(3), from_axis_angle(UP, 0.0)), Body("ken", 0.43, -0.42, 125.0)
+    targets, heading = np.zeros((5, 8)), from_axis_angle(UP, np.radians(125.0))
+    palm = from_matrix(np.array([[-0.8, 0.0, -0.6], [0.0, -1.0, 0.0], [-0.6, 0.0, 0.8]]))  # to the belly, the thumb up
+    targets[1, :3], targets[1, 3:7] = body.root + rotate(heading, np.array([0.2, 0.08, 0.13])), multiply(heading, palm)
+    targets[1, 7] = 1.0
+    body.rotations = solve(body.skeleton, body.rotations, body.root, targets)
+    table = record(TABLE, Transform(np.array([-0.27, -1.0, 0.0]), closed.rotation))
+    start = body.start(DOOR, "open", frame=closed, hand="")
+    start = msgspec.structs.replace(
+        start, object=outlined(start.object, 3), world=[outlined(table, 11)] if beside else []
+    )
+    before = body.rotations.copy()
+    shown = body.do("swing", start)
+    rotations, root = np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
+    points, radii = skin_of(Reacher.of(body.skeleton, "left"), rotations, root)
+    assert (float((clearance(prisms(table), points) - radii).min()) > 0.0) is beside
+    arm = [INDEX[f"left_{link}"] for link in ("upper_arm", "lower_arm", "hand")]
+    steps = np.abs((rotations[1:, arm] * rotations[:-1, arm]).sum(axis=-1))
+    assert np.degrees(2.0 * np.arccos(np.clip(steps, 0.0, 1.0))).max() < 5.0
+    np.testing.assert_allclose(np.abs((rotations[0, arm] * before[arm]).sum(axis=-1)), 1.0, atol=1e-4)
 
 
 def test_who_is_far_is_told_to_walk_there_first() -> None:
