@@ -143,6 +143,7 @@ class LockstepServer(Server):
         self.space.advance()
         changes = self.space.take_changes()
         self.space.settle()
+        self.keep(changes)  # first: what was seen outlives a killed server
         more_comes = changes.is_quiet and b"" not in changes.moved.values() and self._barrier.is_ahead
         for owner in () if more_comes else self._barrier.owners:
             self.sockets.reply(owner, self.space.ticked(self.tick, owner, changes, self.intake.frames))
@@ -150,7 +151,6 @@ class LockstepServer(Server):
         if self.publisher.is_recording:
             self._latest = self.space.snapshot(self.tick, self.tick / self.settings.rate)
             self.publisher.write(self._latest, now)
-        self.keep(changes)
 
     def _show(self, now: float) -> None:
         """Let viewers see the last tick, 60 times a second of the clock on the wall."""

@@ -53,8 +53,7 @@ class Publisher:
         return max(self._first_at + (0.0 if everybody else _GATHER_S), self._sent_at + self._gap_s)
 
     def publish(self, tick: int, now: float, tick_s: float) -> None:
-        """Send the world as it is now."""
-        self._space.settle()
+        """Send the world as it is now, settled."""
         self._sequence += 1
         snapshot = msgspec.structs.replace(self._space.snapshot(tick, time.time()), sequence=self._sequence)
         self.send(snapshot, now, tick_s)

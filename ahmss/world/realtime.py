@@ -118,13 +118,16 @@ class RealTimeServer(Server):
         self.check_leases(now)
         self.space.advance()
         self.space.settle()
-        if self.publisher.is_recording and self.space.revision > 0:  # a recording begins with the first that is there
+        if self.publisher.is_recording and not self.space.was_empty:  # a recording begins with the first that is there
             self.publisher.write(self.space.snapshot(self.tick, self.tick / self.settings.rate), now)
         self._publish(now)
-        self.keep(self.space.take_changes())
 
     def _publish(self, now: float) -> None:
         self.flush()
+        self.space.settle()
+        self.keep(
+            self.space.take_changes()
+        )  # first: what was seen outlives a killed server
         self.publisher.publish(self.tick, now, self.tick_s)
         self.intake.frames.clear()
 

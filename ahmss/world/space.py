@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import secrets
+
 import numpy as np
 
 from ahmss.errors import WorldError
@@ -28,7 +30,8 @@ class Space:
     """The world's content and its rules.
 
     Attributes:
-        revision: of the scene. `settle` makes a new one where what exists has changed.
+        revision: of the scene. `settle` makes a new one where what exists has changed. Where they begin is drawn: who
+            was connected to a server that was killed does not take the next one's scene for the one that it has.
         changes: what changed since the last `take_changes`.
     """
 
@@ -38,11 +41,16 @@ class Space:
         self.people, self.things = People(), Things(behaviours, Falls(Solids(assets, behaviours)))
         self.changes = Changes()
         self.people.changes = self.things.changes = self.changes
-        self.revision = 0
-        self._scene = Scene(0, [], [], rate)
+        self._first = self.revision = secrets.randbits(32)
+        self._scene = Scene(self.revision, [], [], rate)
         self._structural = False
         self._moved: dict[int, None] = {}
         self._changed: dict[str, None] = {}
+
+    @property
+    def was_empty(self) -> bool:
+        """Whether nothing has ever been here."""
+        return self.revision == self._first
 
     # Requests
 

@@ -45,6 +45,23 @@ def test_placed_objects_and_states_survive_kill_9(start, connect, tmp_path):
     assert "torn" in (tmp_path / "server.log").read_text()
 
 
+def test_the_scene_of_the_next_server_is_not_taken_for_that_of_the_last(start, connect, tmp_path):
+    for power in ("on", "off"):
+        server = start(directory=tmp_path / power)
+        with connect(server) as ken:
+            ken.add([NewObject("lamp", "lamp", states={"power": power})])
+            eventually(lambda ken=ken: ken.poll().objects)
+        server.stop()
+    first = start(directory=tmp_path / "on")
+    viewer = connect(first)
+    assert viewer.refresh().objects["lamp"].states == {"power": "on"}
+    first.kill()
+    eventually(lambda: (viewer.poll(), not viewer.connected)[1])
+    start(address=first.address, directory=tmp_path / "off")
+    eventually(lambda: (viewer.poll(), viewer.connected)[1])
+    assert viewer.refresh().objects["lamp"].states == {"power": "off"}
+
+
 def test_mains_and_viewers_come_back_by_themselves_with_what_they_hold(start, connect, tmp_path):
     server = start(directory=tmp_path / "world")
     ken, viewer = connect(server), connect(server)
