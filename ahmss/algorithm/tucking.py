@@ -34,6 +34,7 @@ _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
+_RESTS = 1e-6  # by so little the arms of who stands go on: they have come to where they stay
 _NONE = 1e-4  # so little an arm is not drawn in any more
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
@@ -56,15 +57,25 @@ class Tucking:
         self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
         self._level = {side: np.zeros(3) for side in _SIDES}
         self._wanted = dict.fromkeys(_SIDES, first > 0)
-        self._frames = 0
+        self._frames, self._rests, self._last = 0, False, (np.zeros((0, 0)), np.zeros((0, 0)))
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
-        root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
         others = self._others()
-        self._given = rows[-1, 4:176].reshape(43, 4)
         begun, self._frames = self._frames, self._frames + len(rows)
+        given, last = self._last
+        stands = np.array_equal(rows, given)  # who waits gives one row again and again
+        if stands and self._rests and not others:
+            return last.copy()
+        made = self._made(rows, others, begun)
+        self._rests = stands and begun >= self._first and bool(np.abs(made - last).max() < _RESTS)
+        self._given, self._last = made[-1, 4:176].reshape(43, 4).copy(), (rows.copy(), made.copy())
+        return made
+
+    def _made(self, rows: Array, others: Sequence[str], begun: int) -> Array:
+        """The rows, the arms drawn in but those that are others'; `begun`: frames of the walk before these."""
+        root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
         near = _about(self._prisms, root)
         drawn_in = max(float(level.max()) for level in self._level.values()) >= _NONE
         if not near and not drawn_in and all(arm.still for arm in self._hanging.values()):
@@ -84,7 +95,6 @@ class Tucking:
             share = np.maximum(share, self._hanging[side].over(near, out, root))
             made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
         made[:, 4:176] = out.reshape(-1, 172)
-        self._given = out[-1]
         return made
 
     def _others(self) -> list[str]:

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from ahmss.algorithm import Transform, frames
-from ahmss.algorithm.task import HumanTask
+from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.inverse import grips, solve
 from ahmss.body.kinematics import forward
@@ -47,8 +47,8 @@ def test_what_is_held_comes_upright_and_stays_so_without_end() -> None:
     assert poses[-1].importance[INDEX["left_hand"]] == 0.0
 
 
-def walked(place: np.ndarray, hand: str = "") -> np.ndarray:
-    """Rows (60, 260) of one who stands at a place beside the sink and faces along it, arms hanging."""
+def stood(place: np.ndarray, hand: str = "") -> tuple[HumanTask, np.ndarray]:
+    """Rows (60, 260) of one who stands at a place beside the sink and faces along it, arms hanging; and the task."""
     body = Body(x=float(place[0]), y=float(place[1]), facing=90.0)
     start = body.start(CUP, "carry", frames=0, wish=True, parameters={})
     busy = {"busy": [hand]} if hand else {}
@@ -57,6 +57,12 @@ def walked(place: np.ndarray, hand: str = "") -> np.ndarray:
     rows = task.block(
         np.repeat(body.rotations[None], 60, axis=0), np.repeat(body.root[None], 60, axis=0), np.full(44, 0.15)
     )
+    return task, rows
+
+
+def walked(place: np.ndarray, hand: str = "") -> np.ndarray:
+    """The same as drawn in."""
+    task, rows = stood(place, hand)
     return Tucking(task).over(rows)
 
 
@@ -71,6 +77,28 @@ def test_a_hand_that_hangs_in_a_counter_comes_up_and_the_other_does_not() -> Non
     assert right[-1, 0] < 2.86 + 0.2  # before the belly, off the counter
     assert np.abs(np.diff(right, n=2, axis=0)).max() < 0.003  # softly
     np.testing.assert_allclose(left[-1], left[0], atol=1e-9)
+
+
+def test_who_waits_beside_a_counter_keeps_still_and_goes_on_as_if_each_frame_were_thought_of() -> None:
+    task, rows = stood(np.array([2.86, 0.25, 0.0]))
+    goes = rows.copy()
+    goes[:, 1] -= 0.4 * minimum_jerk(np.arange(1, 61) / 60)
+    made = []
+    for nudge in (0.0, 1e-12):  # the same row each time, and never the same twice
+        tucking = Tucking(task, first=30)
+        for k in range(300):
+            made.append(tucking.over(rows[:1] + nudge * k))
+            task.present = HumanFrame(made[-1][0])
+        tucking.over(rows[:1])[:] = 0.0  # what is done with a frame does not come back with the next
+        made.append(tucking.over(goes))
+        task.present = task.start
+    singly, nudged = np.concatenate(made[:301]), np.concatenate(made[301:])
+    np.testing.assert_allclose(singly[:300], nudged[:300], atol=2e-5)
+    np.testing.assert_allclose(palms(singly), palms(nudged), atol=0.01)
+    assert (singly[299] == singly[298]).all()
+    heights = palms(singly)[[0, 299, -1], 0, 2]
+    assert heights[1] > heights[0] + 0.2
+    assert heights[2] < heights[1] - 0.1  # down again, where there is room
 
 
 def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_alone() -> None:
