@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -211,6 +212,29 @@ def test_a_pool_that_was_killed_is_replaced_and_what_ran_goes_on(own_pool, make_
         assert running.last == 5
         assert wait_for(lambda: launcher.tend() or running.ended)
     assert complaints == []
+
+
+def test_a_pool_that_was_busy_does_not_take_a_new_main_for_one_that_has_gone(own_pool, make_start):
+    """What a pool finds after a pause: one has ended, others were asked for, and the main of the one has closed."""
+    with launcher_of(own_pool) as launcher:
+        ends = launcher.start(tells(), make_start())
+        told = facts(launcher, ends)
+        children = Path(f"/proc/{told['parent']}/task/{told['parent']}/children")
+        assert wait_for(lambda: len(children.read_text().split()) > 8)
+        os.kill(told["parent"], signal.SIGSTOP)
+        os.kill(told["pid"], signal.SIGKILL)
+        assert wait_for(lambda: gone(told["pid"]))
+        others = [launcher.start(tells(), make_start(frames=2)) for _ in range(6)]
+        for other in others:  # workers that were waiting do them; the pool will hear of it
+            facts(launcher, other)
+        ends._child._pool.close()
+        os.kill(told["parent"], signal.SIGCONT)
+        time.sleep(1.5)  # longer than the children of a main that has gone are let be
+        for other in others:
+            other.ask(frame(2))
+            assert launcher.wait([other], 20.0)
+            other.receive()
+            assert other.last == 2
 
 
 def test_the_children_of_a_main_that_was_killed_end(own_pool, make_start, tmp_path):
