@@ -125,11 +125,11 @@ class Operator:
         return done
 
     def act(self, client: Client, thing: str, action: str, parameters: dict[str, str | float]) -> bool:
-        """Do it; what another has is left for now."""
+        """Do it; what another has, or stands before, is left for now."""
         try:
             client.do(thing, action, parameters=parameters).wait(120.0)
         except (PortRefused, ActionFailed) as error:
-            if re.search(r"holds it; wait|is held by|waited", str(error)):
+            if re.search(r"holds it; wait|is held by|waited|stands in the way", str(error)):
                 self.yielded += 1
             else:
                 self.wrong.append(f"{self.name} {thing} {action}: {error}")
