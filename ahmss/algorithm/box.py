@@ -32,10 +32,14 @@ class Box:
         off = np.maximum(self.low - own, own - self.high)
         return np.linalg.norm(np.maximum(off, 0.0), axis=-1) + np.minimum(off.max(axis=-1), 0.0)
 
+    def corners(self) -> Array:
+        """Its corners (8, 3) in the world."""
+        corners = np.stack(np.meshgrid(*zip(self.low, self.high, strict=True), indexing="ij"), axis=-1).reshape(8, 3)
+        return self.frame.apply(corners)
+
     def prism(self, *, sought: bool = False) -> Prism:
         """The upright prism about it."""
-        corners = np.stack(np.meshgrid(*zip(self.low, self.high, strict=True), indexing="ij"), axis=-1).reshape(8, 3)
-        places = self.frame.apply(corners)
+        places = self.corners()
         hull = shapely.convex_hull(shapely.MultiPoint(places[:, :2]))
         ring = shapely.get_coordinates(hull)[:-1]
         return Prism(ring, float(places[:, 2].min()), float(places[:, 2].max()), sought)

@@ -18,7 +18,19 @@ from ahmss.database.statefile import affording, read_appearances, read_condition
 from ahmss.database.workspace import Workspace
 from ahmss.errors import WorkspaceError
 
-__all__ = ["NAME", "AffordanceEntry", "ContainedEntry", "ForwardEntry", "ObjectFile", "SiteEntry", "read_object"]
+__all__ = [
+    "EVERYTHING",
+    "NAME",
+    "AffordanceEntry",
+    "ContainedEntry",
+    "ForwardEntry",
+    "ObjectFile",
+    "SiteEntry",
+    "read_object",
+]
+
+EVERYTHING = "everything.toml"
+"""The file in objectdb/ that says what all kinds with a shape afford; there need not be one."""
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 Place = tuple[str | int, ...]
@@ -96,14 +108,26 @@ class ObjectFile(msgspec.Struct, forbid_unknown_fields=True):
     contains: list[dict[str, Any]] = []
 
 
+class _EverythingFile(msgspec.Struct, forbid_unknown_fields=True):
+    """The top of everything.toml."""
+
+    affordances: dict[str, dict[str, Any]] = {}
+
+
 def read_object(workspace: Workspace, path: Path, files: Watched) -> ObjectKind:
     """The kind that object.toml at `path` describes; every file read is added to `files`.
 
     Raises:
         DataError: names the file, the key with its line, and what is allowed.
     """
-    reader = _Reader(workspace, Document(path, workspace.label(path)))
-    return reader.kind(files)
+    kind = _Reader(workspace, Document(path, workspace.label(path))).kind(files)
+    common = workspace.root / "objectdb" / EVERYTHING
+    files.add(common)
+    if kind.shape is None or not common.is_file():
+        return kind
+    shared = _Reader(workspace, Document(common, workspace.label(common))).common()
+    affordances = {**kind.affordances, **{name: one for name, one in shared.items() if name not in kind.affordances}}
+    return msgspec.structs.replace(kind, affordances=affordances)
 
 
 class _Reader:
@@ -154,6 +178,11 @@ class _Reader:
             affordances={n: self._affordance(n, v, sites, states) for n, v in top.affordances.items()},
             contains=contains,
         )
+
+    def common(self) -> dict[str, Affordance]:
+        """What everything.toml has."""
+        top = self.document.convert(self.document.data, _EverythingFile)
+        return {name: self._affordance(name, raw, {}, {}) for name, raw in top.affordances.items()}
 
     def _path(self, text: str | None, place: Place) -> Path | None:
         if text is None:

@@ -13,6 +13,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
+from ahmss.algorithm.box import boxes_of
 from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -69,6 +70,9 @@ def _target(task: HumanTask) -> Array:
         return task.site.place
     if task.object is None:
         raise AlgorithmError("point at what? add `to X Y Z`, or `to` and an object")
+    if boxes := boxes_of(task.object):
+        corners = np.concatenate([box.corners() for box in boxes])
+        return 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     size = task.object.properties.get("size")
     high = float(size[2]) if isinstance(size, (list, tuple)) and len(size) == 3 else 0.0
     return task.object.frame.apply(np.array([0.0, 0.0, 0.5 * high]))

@@ -77,3 +77,16 @@ def test_behind_the_back_and_walking_it_is_refused() -> None:
         list(frames(program("point"), begun(body, None, "", {}, goal=Goal(place=(-3.0, 0.2, 1.2)))))
     with pytest.raises(AlgorithmError, match="standing"):
         list(frames(program("point"), begun(body, None, "", {}, goal=Goal(place=(3.0, 0.2, 1.2)), carried=True)))
+
+
+def test_what_names_no_site_is_pointed_at_in_its_middle() -> None:
+    frame = at(2.0, 0.3, 2.3, np.pi)
+    body = Body("aiko")
+    gauge = device("gauge", frame)
+    shown = body.do("point", begun(body, gauge, "", {}))
+    middle = len(shown) // 2
+    tip = tips(body, shown, acting(shown))[middle]
+    places, turned = (of[middle] for of in posed(body, shown))
+    head = INDEX["head"]
+    eye = places[head] + rotate(turned[head], body.skeleton.eye + np.array([0.0, -0.032, 0.0]))
+    assert degrees(tip - eye, frame.apply(np.array([0.0145, 0.0, 0.0])) - eye) < 0.5
