@@ -18,9 +18,11 @@ from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply
 __all__ = ["Channel", "Inertialiser", "Places", "Rotations"]
 
 _SECONDS = 0.4  # how long a difference takes to decay
+_STEEPEST = 1.875  # of the quintic of an offset, as a share of the offset over its time
 _DAMPING = 0.7  # of the velocity, a frame, where sources change so fast that the body carries on by itself for longer
 
 Rows = NDArray[np.bool_]
+Frames = NDArray[np.int_]
 
 
 class Channel(ABC):
@@ -30,11 +32,17 @@ class Channel(ABC):
     is known only with its second frame; from then on it is the source with a decaying offset.
     """
 
-    def __init__(self, rows: int, rate: float, seconds: float = _SECONDS) -> None:
-        """Smooth some rows at a rate (frames a second) over some seconds."""
-        self._left, self._carried = _curves(rate, seconds)
-        self._decayed = len(self._left) - 1
-        self._frame = np.full(rows, self._decayed)  # frames since the row's change; 0 waits for the second one
+    def __init__(self, rows: int, rate: float, seconds: float = _SECONDS, fastest: float = np.inf) -> None:
+        """Smooth some rows at a rate (frames a second) over some seconds, or longer.
+
+        Args:
+            rows: how many. rate: frames a second. seconds: in which a difference decays.
+            fastest: metres or radians a second by which an offset decays at the most; a larger one takes longer.
+        """
+        self._frames = max(int(np.ceil(seconds * rate)), 2)
+        self._fastest = fastest / rate
+        self._decays = np.full(rows, self._frames)  # frames that the row's difference takes
+        self._frame = self._decays.copy()  # frames since the row's change; 0 waits for the second one
         self._active = False
         self.present: Array | None = None
         self._before: Array | None = None
@@ -49,19 +57,20 @@ class Channel(ABC):
     def place(self, values: Array) -> None:
         """Stand still at these values, as after a jump that is meant."""
         self.present, self._before = values, None
-        self._frame[:] = self._decayed
+        self._frame[:] = self._decays
         self._active = False
 
     def settle(self, values: Array) -> None:
         """Tell what this frame came out as in the end: the next present. Not copied, so not to be changed after."""
         self._before, self.present = self.present, values
 
-    def step(self, source: Array, switched: Rows) -> Array:
+    def step(self, source: Array, switched: Rows, frames: Frames | None = None) -> Array:
         """The smoothed values of this frame; the source itself while nothing decays.
 
         Args:
             source: (rows, 3 or 4) this frame's values.
             switched: (rows,) whose source is another one from this frame on.
+            frames: (rows,) that the difference of a row which switches takes to decay, if not 0 and not too fast.
         """
         if self.present is None:
             self.place(source)
@@ -70,12 +79,14 @@ class Channel(ABC):
         elif not self._active:
             return source
         self._frame += 1
-        np.minimum(self._frame, self._decayed, out=self._frame)
+        np.minimum(self._frame, self._decays, out=self._frame)
         if self._waiting is not None:
             self._learn(source)
         if switched.any():
+            wanted = self._frames if frames is None else np.where(frames > 0, frames, self._frames)
+            self._decays = np.where(switched, wanted, self._decays)
             return self._carry_on(source, switched)
-        self._active = bool((self._frame < self._decayed).any())
+        self._active = bool((self._frame < self._decays).any())
         return self._with_offset(source)
 
     def _carry_on(self, source: Array, switched: Rows) -> Array:
@@ -97,10 +108,13 @@ class Channel(ABC):
         self._offset[chosen] = offset[chosen]
         self._speed[chosen] = (next_offset - offset)[chosen]
         self._waiting = None
+        if self._fastest < np.inf:
+            needed = np.ceil(_STEEPEST * np.linalg.norm(offset[chosen], axis=-1) / self._fastest)
+            self._decays[chosen] = np.maximum(needed, self._decays[chosen]).astype(int)
 
     def _with_offset(self, source: Array) -> Array:
-        offset = self._left[self._frame, None] * self._offset + self._carried[self._frame, None] * self._speed
-        return self._add(source, offset)
+        left, carried = _curves(self._frame, self._decays)
+        return self._add(source, left[:, None] * self._offset + carried[:, None] * self._speed)
 
     @abstractmethod
     def _difference(self, a: Array, b: Array) -> Array:
@@ -190,14 +204,12 @@ class Inertialiser:
 _SWITCHED, _UNSWITCHED = np.ones(1, bool), np.zeros(1, bool)
 
 
-def _curves(rate: float, seconds: float) -> tuple[Array, Array]:
-    """For each frame since the change: what is left of an offset, and frames of a velocity that it was carried.
+def _curves(frame: Frames, frames: Frames) -> tuple[Array, Array]:
+    """So many frames (rows,) after a change: what is left of an offset, and frames of a velocity that it was carried.
 
-    Both are quintics of no acceleration at the start and at rest at the end; entry 0 is the change itself, the last
-    one is 0.
+    Both are quintics of no acceleration at the start and at rest at the end, after `frames` (rows,).
     """
-    frames = max(int(np.ceil(seconds * rate)), 2)
-    t = np.arange(frames + 1) / frames
+    t = frame / frames
     return (1.0 - t) ** 3 * (1.0 + 3.0 * t + 6.0 * t**2), frames * t * (1.0 - t) ** 3 * (1.0 + 3.0 * t)
 
 

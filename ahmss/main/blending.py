@@ -1,7 +1,7 @@
 """The blending part: from the motions' frames to the one pose of the human (Ichiguchi 2000, 4.2.4).
 
 Joint by joint (4.11), the root by increments; then inertialisation where the source changes; then hands, feet and gaze
-are solved onto their targets.
+are solved onto their targets. Spine and head are smoothed after the gaze has turned them.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.blending import blend, blend_root
+from ahmss.body.gaze_inertialisation import TURNED, GazeInertialiser
 from ahmss.body.inertialisation import Inertialiser
 from ahmss.body.inverse import GAZE, grips, solve
 from ahmss.body.links import INDEX
@@ -39,9 +40,11 @@ _CHAINS = tuple(
         ("left_upper_arm", "left_lower_arm", "left_hand"),
         ("right_upper_leg", "right_lower_leg", "right_foot"),
         ("left_upper_leg", "left_lower_leg", "left_foot"),
-        ("spine", "head"),
     )
 )
+
+_LIMBS = ~np.isin(np.arange(43), TURNED)
+_LOOKS = (np.arange(5) == GAZE)[:, None]
 
 Rows = NDArray[np.bool_]
 
@@ -79,6 +82,7 @@ class Blending:
         self.skeleton = skeleton
         self._inertialiser = Inertialiser(rate)
         self._targets = TargetInertialiser(skeleton, rate)
+        self._looking = GazeInertialiser(rate)
         self.place(rotations, root)
 
     def place(self, rotations: Array, root: Array) -> None:
@@ -91,15 +95,17 @@ class Blending:
         self._claims: list[tuple[int, bytes, bytes]] = []
         self._shares: dict[int, Array] = {}
         self._owned, self._all_owned, self._any_target = np.zeros(44, bool), False, False
-        self._unseen: list[Array] = []
+        self._gazes = self._ceased = False  # a gaze is given; it was until a frame ago
         self._merge = _NO_MERGE
         self._inertialiser.place(self.rotations, self.root)
         self._targets.place(self.rotations, self.root)
+        self._looking.place(self.rotations)
 
     @property
     def resting(self) -> bool:
         """Whether nothing moves without a motion."""
-        return not self._claims and self._inertialiser.settled and self._targets.settled
+        settled = self._inertialiser.settled and self._targets.settled and self._looking.settled
+        return not self._claims and settled
 
     def step(self, motions: Sequence[Contribution]) -> None:
         """Make the next frame out of the motions' newest ones; with none the body comes to rest."""
@@ -121,12 +127,18 @@ class Blending:
             targets = self._blend(motions)
         rotations, root = self._source, self._source_root
         if joints is not _NO_JOINT or root_switched or not self._inertialiser.settled:
-            rotations, root = self._inertialiser.step(rotations, root, joints, root_switched)
-        targets = self._smooth(targets, ends)
+            rotations, root = self._inertialiser.step(rotations, root, joints & _LIMBS, root_switched)
+        if ends is not _NO_END or not self._targets.settled:
+            targets = self._targets.step(targets, ends)
+        plain, switched = rotations, joints[TURNED]
+        if switched.any() or not self._looking.settled:
+            rotations, targets = self._turned(rotations, root, targets, switched), np.where(_LOOKS, 0.0, targets)
+            plain = plain if self._gazes else rotations
         shown = solve(self.skeleton, rotations, root, targets) if self._any_target else rotations
-        self._inertialiser.settle(rotations, root)
+        self._inertialiser.settle(plain, root)
         self._targets.settle(shown, root)
-        self._plain, self._shown = (self._plain[1], rotations), (self._shown[1], shown)
+        self._looking.settle(shown)
+        self._plain, self._shown = (self._plain[1], plain), (self._shown[1], shown)
         self.rotations, self.root = shown, root
         self.grips = grips(self.skeleton, shown, root)
 
@@ -134,7 +146,7 @@ class Blending:
         """Joints with a new source start from the present; what nobody drives from now on stays there.
 
         The present is what stood before the targets were solved, because those that go on are solved again; a limb that
-        has lost its target starts from where it was shown.
+        has lost its target starts from where it was shown. Spine and head that a gaze has turned come to rest.
         """
         present = self._plain
         if lost.any():
@@ -143,16 +155,15 @@ class Blending:
                 self._inertialiser.rotations.settle(rotations)
             self._plain = present  # a change in the next frame goes on from here too
         self._source = np.where(joints[:, None], present[1], self._source)
+        if self._ceased:
+            self._source[TURNED] = self._looking.rest(*self._shown)
 
-    def _smooth(self, targets: Array, ends: Rows) -> Array:
-        """The targets after inertialisation, which is not asked while nothing decays."""
-        if ends is _NO_END and self._targets.settled:
-            self._unseen = [*self._unseen[-1:], targets]
-            return targets
-        for unseen in self._unseen:  # a change goes on from the last two frames
-            self._targets.step(unseen, _NO_END)
-        self._unseen = []
-        return self._targets.step(targets, ends)
+    def _turned(self, rotations: Array, root: Array, targets: Array, switched: Rows) -> Array:
+        """The pose (43, 4) whose spine and head, turned by the gaze, go on from where they are seen."""
+        targets = np.where(_LOOKS, targets, 0.0)
+        made = solve(self.skeleton, rotations, root, targets) if self._gazes else rotations.copy()
+        made[TURNED] = self._looking.step(made, switched, switched & ~self._owned[TURNED] & self._ceased)
+        return made
 
     def _follow(self, motion: Contribution) -> Array:
         """One motion alone: its joints as they are; returns its targets."""
@@ -185,17 +196,22 @@ class Blending:
         self._owned = total[:44] > 0.0
         self._merge = _Merge(motions) if len(motions) > 1 else _NO_MERGE
         self._all_owned, self._any_target = bool(self._owned.all()), bool(total[44:].any())
-        change, gone = np.zeros(49), np.zeros(5)
+        change, gone, looked = np.zeros(49), np.zeros(5), False
         for number in shares.keys() | before.keys():
             now, then = shares.get(number, _NOTHING), before.get(number, _NOTHING)
             change += np.abs(now - then)
             gone += then[44:] - now[44:]
+            looked |= bool(then[44 + GAZE] > _NOBODY >= now[44 + GAZE])
         switched = change > _JUMP
+        gazed, self._gazes = self._gazes, bool(total[44 + GAZE] > _NOBODY)
+        self._ceased = gazed and not self._gazes
+        spine, head = TURNED
+        switched[spine] |= switched[44 + GAZE] | looked
+        switched[head] |= switched[spine]  # from there it looks
         if not switched.any():
             return _NO_JOINT, _NO_JOINT, _gains_one_owner(shares, before), _NO_END
         joints, lost = switched[:43], np.zeros(43, bool)
-        gone[GAZE] *= total[44 + GAZE] <= _NOBODY  # a gaze that somebody still has moves over with its weight
-        for end in np.flatnonzero(gone > _JUMP):  # a limb that loses its target falls back to its own rotations
+        for end in np.flatnonzero(gone[:GAZE] > _JUMP):  # a limb that loses its target falls back to its own rotations
             joints[_CHAINS[end]] = lost[_CHAINS[end]] = True
         return joints, lost, bool(switched[43]) or _gains_one_owner(shares, before), switched[44:]
 
