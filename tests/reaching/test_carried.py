@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips
+from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.smoothness import pops
 from ahmss.reaching.carried import Carried
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.prism import Prism
+from ahmss.reaching.prism import Prism, clearance
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import hand_skin
 
 HUMAN = Skeleton.of(1.7)
 ROTATIONS, ROOT = HUMAN.relaxed()
@@ -90,3 +92,24 @@ def test_a_hand_rises_over_what_it_would_be_in_and_is_there_in_the_end(side: str
     assert risen.max() > 0.01
     assert risen[0] < 1e-3
     assert np.abs(np.diff(risen, n=2)).max() < 0.0101  # softly
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("on", [0.004, 0.006])
+def test_a_hand_that_hangs_far_before_a_table_is_over_its_top_before_it_comes_to_its_edge(side: str, on: float) -> None:
+    """The place is half a metre behind the edge: raised as usual the hand would pass through the top."""
+    step, reacher = np.array([on, 0.0, 0.0]), Reacher.of(HUMAN, side)
+    place = ROOT + np.array([on * FRAMES + 0.5, 0.2 if side == "left" else -0.2, 0.05])
+    near, far, y = float(place[0]) - 0.5, 3.0, float(place[1])
+    ring = np.array([[near, y - 0.5], [far, y - 0.5], [far, y + 0.5], [near, y + 0.5]])
+    table = Prism(ring, 0.0, float(place[2]) - 0.05)
+    hand = Carried(HUMAN, Goal(place, around=np.array([0, 0, 0, 1.0, 0, 0, 0])), ROTATIONS, ROOT, [side])
+    given, targets = ROTATIONS.copy(), np.zeros((5, 8))
+    gaps: list[float] = []
+    for k in range(FRAMES):
+        root = ROOT + (k + 1) * step
+        given, targets[ROW[side]], _ = hand.step(given, root, (k + 1) / FRAMES, (FRAMES - k - 1) * step, [table])
+        points, radii = hand_skin(reacher, solve(HUMAN, given, root, targets), root)
+        gaps.append(float((clearance([table], points) - radii).min()))
+    assert min(gaps) > 0.003, int(np.argmin(gaps))
+    assert gaps[-1] < 0.02
