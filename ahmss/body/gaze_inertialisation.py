@@ -63,6 +63,6 @@ class GazeInertialiser:
         return out
 
     def rest(self, before: Array, present: Array) -> Array:
-        """Where (2, 4) spine and head come to rest by themselves, a frame farther and then softly; two poses (43, 4)."""
+        """Where (2, 4) spine and head come to rest, a frame farther and then softly; of the last two poses (43, 4)."""
         turn = to_rotation_vector(multiply(conjugate(before[TURNED]), present[TURNED]))
         return multiply(present[TURNED], from_rotation_vector((1.0 + _FARTHER * self._stop) * turn))
