@@ -26,7 +26,7 @@ INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle,
 THERE_BY, OPEN_BY = 0.75, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
 WIDE_BY, CLOSES_FROM = 0.5, 0.55  # where the hand has to open first: open by then, closing from then on
 GAZE = 4
-SPINE = 4.0  # its importance: a walk's is a tenth of it
+SPINE = 400.0  # its importance, a thousand times a walk's: what is left to that is given back when it ends, at once
 
 
 def grasp(task: HumanTask) -> Iterator[Array]:

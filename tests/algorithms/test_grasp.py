@@ -11,11 +11,13 @@ from msgspec.structs import replace
 
 from ahmss.algorithm import Transform, frames, grasping
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
+from ahmss.algorithm.stepping import IMPORTANCE
 from ahmss.body.array import Array
+from ahmss.body.blending import blend
 from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, fingers
-from ahmss.body.quaternion import IDENTITY, rotate
+from ahmss.body.quaternion import IDENTITY, conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 from ahmss.database import Workspace
 from ahmss.errors import AlgorithmError
 from ahmss.motion.fingers import Cylinder, closed
@@ -239,3 +241,19 @@ def test_only_the_arm_and_its_fingers_are_cared_for() -> None:
     for name in ("hips", "left_hand", "right_upper_leg", "left_index_distal"):
         assert pose.importance[INDEX[name]] == 0.0
     assert pose.importance[43] == 0.0
+
+
+def test_what_a_walk_had_of_a_bent_waist_is_too_little_to_be_seen_when_the_walk_ends() -> None:
+    body, spine = Body(), INDEX["spine"]
+    body.do("reach", body.start(CUP, "reach"))
+    upright = body.rotations[spine].copy()
+    bent = multiply(upright, from_axis_angle(np.array([0.0, 1.0, 0.0]), 0.7))
+    body.rotations[spine] = bent
+    start = body.start(CUP, "grasp", frame=body.grip().then(Transform(np.array([0.04, 0.0, -0.05]), IDENTITY)))
+    pose = next(iter(frames(program("grasp"), replace(start, carried=True))))
+    walk = body.rotations.copy()
+    walk[spine] = upright
+    both = blend(np.stack([pose.rotations, walk]), np.stack([pose.importance[:43], IMPORTANCE[:43]]), body.rotations)
+    alone = blend(pose.rotations[None], pose.importance[None, :43], body.rotations)
+    turn = np.linalg.norm(to_rotation_vector(multiply(conjugate(both[spine]), alone[spine])))
+    assert 0.0 < np.degrees(turn) < 0.1
