@@ -80,7 +80,8 @@ class Scenario:
 
 def play(script: Path, record: Path, workspace: Path = ROOT) -> None:
     report = play_script(script, PlaySetup(workspace=str(workspace), fast=True, record=record))
-    assert report.failures == 0, report
+    said = [line for main in report.mains for line in main["messages"]]
+    assert (report.failures, said, report.problems) == (0, [], [])
 
 
 @pytest.fixture(scope="module")

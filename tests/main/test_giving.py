@@ -27,7 +27,7 @@ def go_on(main: MainProcess, frames: int) -> None:
 def test_what_was_given_away_is_dropped_at_once_and_said_in_one_line(
     server: Start, join: Join, doing: tuple[str, ...], said: str
 ) -> None:
-    one = server()
+    one = server(lease_s=60.0)  # aiko is not heard of meanwhile
     ken, aiko = join(one), join(one, "aiko", place=(1.0, 0.0))
     ken.play(steps("add box as b at 0.3 0 1", "do b take frames 20"))
     for step in steps(*doing):
