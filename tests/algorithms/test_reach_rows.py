@@ -25,6 +25,10 @@ from ahmss.motion.smoothness import angular_steps
 from .scene import FLOOR, Body, program
 
 PAUSE = 3  # frames without a motion, after each
+PLACES = [
+    ("right", (0.05, -0.326, 0.749), (-0.5223, -0.5326, 0.4482, 0.4926)),
+    ("right", (0.234, -0.432, 1.09), (0.5702, 0.7731, 0.1293, -0.2457)),
+]
 
 
 @dataclass(frozen=True)
@@ -133,6 +137,17 @@ def test_a_row_of_reaches_does_not_pop(name: str, blended: bool) -> None:
 @pytest.mark.parametrize("name", ["ken", "aiko"])
 def test_reaches_that_are_cut_at_any_moment_do_not_pop(name: str) -> None:
     check_cut(name, 101, 20)
+
+
+@pytest.mark.parametrize(("hand", "place", "turned"), PLACES)
+def test_a_palm_that_has_far_to_turn_takes_its_time(
+    hand: str, place: tuple[float, float, float], turned: tuple[float, float, float, float]
+) -> None:
+    body = Body("ken", facing=0.0)
+    goal, before = Goal(place, turned), body.rotations
+    shown = body.do("reach", body.start(FLOOR, "stand", frames=0, wish=True, hand=hand, parameters={}, goal=goal))
+    assert _fastest(np.array([before, *(pose.rotations for pose in shown)])) <= 6.0
+    assert _errors(body, shown[-1], shown)[0] < 1e-3
 
 
 @pytest.mark.long
