@@ -8,16 +8,19 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
+from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.contact import foot_points
 from ahmss.reaching.standing import centre_of_mass
+from ahmss.walking import trip
+from ahmss.walking.makingway import Walker
 
 from .reached import outlined
-from .scene import Body, program
+from .scene import Body, module, program
 from .solids import LEGS, SEAT, deepest
 
 CHAIR = "room/chair"
@@ -130,6 +133,54 @@ def test_who_is_far_is_told_to_walk_there_first() -> None:
     body = at("ken", frame, STAND + np.array([1.6, 0.0, 0.0]))
     with pytest.raises(AlgorithmError, match=r"room/chair is 1\.6 m from here; walk to room/chair first"):
         does(body, "sit", frame)
+
+
+def somebody(frame: Transform, place: tuple[float, float]) -> ObjectRecord:
+    """aiko at a place of the chair."""
+    x, y, _ = frame.apply(np.array([*place, 0.0])).tolist()
+    return ObjectRecord(-7, "aiko", "human", (x, y, 0.0), (1.0, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("away", [0.0, 0.25])
+def test_who_is_on_the_chair_is_named_when_patience_ends(away: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module("sit"), "PATIENCE", 0.5)
+    frame = chair(2)
+    stands = at("ken", frame, STAND + np.array([away, 0.0, 0.0]))
+    with pytest.raises(AlgorithmError, match="aiko is where one sits on room/chair; take another seat"):
+        does(stands, "sit", frame, world=[somebody(frame, (-0.05, 0.1))])
+
+
+def test_one_waits_for_who_is_on_the_chair_standing_still_and_then_sits_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    frame, asked = chair(2), list[int]()
+    seat = frame.apply(np.array([-0.055, 0.0, 0.43]))
+
+    def walkers(_: HumanTask) -> list[Walker]:
+        asked.append(1)
+        return [Walker.of(np.zeros(1), seat[None, :2], "aiko")] if len(asked) <= 40 else []
+
+    monkeypatch.setattr(module("sit"), "walkers", walkers)
+    body = at("ken", frame)
+    rotations, root = body.rotations.copy(), body.root.copy()
+    shown = does(body, "sit", frame)
+    still = np.array([pose.rotations for pose in shown[:40]])
+    assert np.abs(still - rotations).max() < 1e-3
+    assert np.abs(np.array([pose.root for pose in shown[:40]]) - root).max() < 1e-6
+    assert len(shown) == 40 + 126
+    assert np.linalg.norm(shown[-1].root - seat) < 0.14
+
+
+def test_who_stands_where_one_stands_to_sit_down_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trip, "_PATIENCE", 0.5)
+    frame = chair(2)
+    body = at("ken", frame, STAND + np.array([0.75, 0.0, 0.0]))
+    with pytest.raises(AlgorithmError, match="aiko stands in the way, where one is to stand"):
+        does(body, "sit", frame, world=[somebody(frame, (0.4, 0.05))])
+
+
+def test_who_sits_beside_is_no_hindrance() -> None:
+    frame = chair(2)
+    body = at("ken", frame)
+    assert len(does(body, "sit", frame, world=[somebody(frame, (-0.05, 0.6))])) == 126
 
 
 def test_who_sits_does_not_sit_down_and_who_stands_does_not_stand_up() -> None:
