@@ -26,7 +26,9 @@ INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle,
 THERE_BY, OPEN_BY = 0.75, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
 WIDE_BY, CLOSES_FROM = 0.5, 0.55  # where the hand has to open first: open by then, closing from then on
 GAZE = 4
-SPINE = 400.0  # its importance, a thousand times a walk's: what is left to that is given back when it ends, at once
+# Its importance: at first a thousand times a walk's, which comes back in one frame where it ends, then ten times: the
+# body comes nearer, and needs to bend less.
+SPINE, EASED = 400.0, 4.0
 
 
 def grasp(task: HumanTask) -> Iterator[Array]:
@@ -142,7 +144,9 @@ def _frames(
     shares = {f"{side}_{part}": 1.0 for part in ("upper_arm", "lower_arm", "hand", "thumb", "index", "middle")}
     if spine is not None or task.carried:  # bent for the hand, or as the reach has left it, while the hand goes
         shares["spine"] = SPINE
-    importance = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
+    cares = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
+    importance = np.repeat(cares[None], length, axis=0)
+    importance[:, INDEX["spine"]] *= (EASED / SPINE) ** moved
     if task.site is not None and not task.parameter("open", False):
         targets[:, GAZE, :3] = task.site.place
         targets[:, GAZE, 7] = 1.0
