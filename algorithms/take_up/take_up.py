@@ -7,7 +7,6 @@ the thumb comes to the ear. What is read has its text facing along its z, and wh
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, refuse_far, sides_of, tell_missed
+from ahmss.algorithm.reading import before_eyes
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.kinematics import forward
@@ -41,9 +41,6 @@ EAR = np.array([-0.024, 0.086, 0.098])  # from between the eyes: up, to the side
 LIPS = np.array([-0.055, 0.034, -0.012])  # a little beside the mouth
 ROLLS, LIFTED = (-45.0, -30.0, -15.0, 0.0, 15.0, 30.0, 45.0), (0.0, 10.0, 20.0)  # degrees, about it and off the cheek
 GAP = 0.008  # metres between ear and what is held to it
-AHEAD, UNDER = (0.36, 0.46), (0.26, 0.38)  # metres before and under the eyes where one reads
-FLAT, ASIDE = (0.0, 0.35), (0.0, 0.08)  # how much flatter than square to the eyes; metres to the hand that holds it
-ROLLED, SKEW = np.radians([0.0, -18.0, 18.0]), np.radians([0.0, -22.0, 22.0])  # about its way up, and in its own plane
 UP, X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
 
@@ -129,7 +126,7 @@ def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> It
     last = task.block(made.rotations, made.root, made.importance, made.targets)[-1:]
     to_ear = task.parameter("to", "eyes") == "ear"
     sign = 1.0 if side == "left" else -1.0
-    wanted, place = _to_ear(task, reaching, side) if to_ear else _to_eyes(task, reaching, sign)
+    wanted, place = _to_ear(task, reaching, side) if to_ear else before_eyes(task, reaching, sign)
     back, n = held.inverse(), len(wanted.place)
     palms = wanted.then(Transform(np.repeat(back.place[None], n, axis=0), back.rotation)).row()
     reacher, prisms = Reacher.of(task.human, side), prisms_of(task)
@@ -205,23 +202,6 @@ def _to_ear(task: HumanTask, reaching: Reaching, side: str) -> tuple[Transform, 
     turned = multiply(from_axis_angle(np.cross(out, along), -lift), turned)
     mouthpiece = np.array([0.0, sign * half, float(task.object.properties.get("opening", 0.0))])
     return Transform(ear - rotate(turned, mouthpiece), turned), place
-
-
-def _to_eyes(task: HumanTask, reaching: Reaching, sign: float) -> tuple[Transform, Array]:
-    """The frames (n) in which it can be read, and the place that is looked at."""
-    base, heading = reaching.base, reaching.heading
-    ahead, right = np.array([np.cos(heading), np.sin(heading), 0.0]), np.array([np.sin(heading), -np.cos(heading), 0.0])
-    eyes = _head(task, base.rotations, base.root).apply(task.human.eye)
-    made: list[Array] = []
-    for on, down, flat, aside, roll, skew in itertools.product(AHEAD, UNDER, FLAT, ASIDE, ROLLED, SKEW):
-        place = eyes + on * ahead - down * UP
-        z = (1.0 - flat) * (eyes - place) / np.linalg.norm(eyes - place) + flat * UP
-        z = z / np.linalg.norm(z)
-        turn = from_matrix(np.stack([np.cross(right, z), right, z], axis=-1))
-        turn = multiply(turn, multiply(from_axis_angle(UP, skew), from_axis_angle(X, roll)))
-        made.append(np.concatenate([place - sign * aside * right, turn]))
-    frames = Transform.of(np.array(made))
-    return frames, frames.place[len(made) // 2]
 
 
 def _head(task: HumanTask, rotations: Array, root: Array) -> Transform:

@@ -6,13 +6,14 @@ and how many there are. Its states follow: `turn`, how far the leaf is, and `pag
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.reaching import Looking, performed, refuse_far, tell_missed
+from ahmss.algorithm.reading import brought
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate, slerp
@@ -25,6 +26,7 @@ from ahmss.reaching.leaning import stretch_of
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.standing import Posture
 
 BEFORE, OVER = 0.06, 0.05  # metres beside the leaf at which the hand is set; over it, on its way home
 COMES, CLOSES, LEADS, OPENS, RETURNS = 0.3, 0.2, 0.8, 0.15, 0.6  # seconds
@@ -32,6 +34,7 @@ LED, WHOLE = np.radians([120.0, 358.0])  # of its turn, that the hand leads it; 
 TURNS_ALONG, LOOKS = (0.0, 0.2, 0.4, 0.6, 0.8), 6  # shares of its turn that the hand may make; how often that is judged
 PINCH = np.array([0.125, 0.045, -0.022])  # where the pads meet, in the hand: on, out of the palm, to the little finger
 ASIDE, TILT = np.radians([-20.0, 0.0, 20.0, 40.0, 60.0, 80.0]), np.radians([-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0])
+FEWER, LITTLE = 4, 0.4  # every so many palms show whether a hand comes there; turning along so much
 GOES_OVER = 30  # frames in which the elbow comes back to where it was at the leaf
 
 
@@ -47,14 +50,13 @@ class Leaf:
 
 def turn_page(task: HumanTask) -> Iterator[Array | HumanPose]:
     """Frames: the hand comes, takes the leaf, leads it over, lets it go, and goes back."""
-    leaf, page = _leaf(task), _page(task)
-    gaze = Looking(task, leaf.frame.apply(np.array([0.0, 0.0, 0.0])))
-    yield gaze.alone()
-    side = "left" if task.hand == "right" else "right"
-    palms = {side: _palms(task, side, leaf)}
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    out = rotate(leaf.frame.rotation, np.array([0.3, 1.0, 0.3]) / np.linalg.norm([0.3, 1.0, 0.3]))
-    plan, along = yield from _planned(task, reaching, palms[side], side, leaf, gaze, BEFORE * out)
+    page, side = _page(task), "left" if task.hand == "right" else "right"
+    try:
+        leaf, reaching, gaze, plan, along = yield from _reached(task, side)
+    except AlgorithmError:  # held somewhere else than before the eyes, as what was just received is
+        task = yield from brought(task, "left" if side == "right" else "right", _reachable(task, side))
+        leaf, reaching, gaze, plan, along = yield from _reached(task, side)
+    out = _out(leaf)
     palm = Transform(plan.palm[:3] - BEFORE * out, plan.palm[3:])
     links = list(fingers(side))
     wide = opened(side)
@@ -71,6 +73,43 @@ def turn_page(task: HumanTask) -> Iterator[Array | HumanPose]:
         pose = HumanPose.of(row)
         yield HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, _told(page, float(share), back=back))
     yield _back(task, made, length, plan.reacher.links)
+
+
+def _reachable(task: HumanTask, side: str) -> Callable[[Transform, Posture], bool]:
+    """Whether a hand comes to the leaf of the task's object where that is at a frame, the trunk as in a posture."""
+    reacher = Reacher.of(task.human, side)
+    present = reacher.arm.from_pose(task.start.rotations[reacher.links])
+
+    def suits(frame: Transform, posture: Posture) -> bool:
+        spine = seat(task.human, posture.rotations, posture.root)
+        leaf = _leaf(task, frame)
+        palms = Transform.of(_palms(task, side, leaf)[::FEWER])
+        led = [_with_leaf(leaf, palms, float(angle), LITTLE).row() for angle in LED * np.array([0.0, 0.5, 1.0])]
+        led.append(Transform(palms.place + BEFORE * _out(leaf), palms.rotation).row())  # where the hand is set first
+        _, found, missing = discomfort(reacher, np.stack(led), spine, present)
+        return bool((found & (missing <= 0.0)).all(axis=0).any())
+
+    return suits
+
+
+def _reached(task: HumanTask, side: str) -> Generator[Array, None, tuple[Leaf, Reaching, Looking, Plan, float]]:
+    """The leaf as it lies now, and how the free hand comes to it: who, the gaze on its way, and as of `_planned`.
+
+    Raises:
+        AlgorithmError: that arm is too short for it.
+    """
+    leaf = _leaf(task)
+    gaze = Looking(task, leaf.frame.place)
+    yield gaze.alone()
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    palms = _palms(task, side, leaf)
+    plan, along = yield from _planned(task, reaching, palms, side, leaf, gaze, BEFORE * _out(leaf))
+    return leaf, reaching, gaze, plan, along
+
+
+def _out(leaf: Leaf) -> Array:
+    """The way (3,) from its corner, unit, on which the hand is beside a leaf."""
+    return rotate(leaf.frame.rotation, np.array([0.3, 1.0, 0.3]) / np.linalg.norm([0.3, 1.0, 0.3]))
 
 
 def _planned(
@@ -105,8 +144,8 @@ def _with_leaf(leaf: Leaf, palms: Transform, angle: Array | float, along: float)
     return Transform(held + rotate(turned, palms.place - leaf.corner), multiply(turned, palms.rotation))
 
 
-def _leaf(task: HumanTask) -> Leaf:
-    """The leaf as it lies now.
+def _leaf(task: HumanTask, at: Transform | None = None) -> Leaf:
+    """The leaf as it lies now, or where what it is in is at a frame.
 
     Raises:
         AlgorithmError: its properties do not say where it is taken.
@@ -116,9 +155,10 @@ def _leaf(task: HumanTask) -> Leaf:
         raise AlgorithmError("turning a page needs the object's properties `hinge`, `turns_about` and `corner`")
     if task.carried:
         raise AlgorithmError("stand still to turn a page")
-    axis = rotate(thing.rotation, np.array(thing.properties.get("turns_about", (1.0, 0.0, 0.0)), float))
-    hinge = thing.frame.apply(np.array(thing.properties["hinge"], float))
-    return Leaf(hinge, axis, thing.frame.apply(np.array(thing.properties["corner"], float)), thing.frame)
+    frame = thing.frame if at is None else at
+    axis = rotate(frame.rotation, np.array(thing.properties.get("turns_about", (1.0, 0.0, 0.0)), float))
+    hinge = frame.apply(np.array(thing.properties["hinge"], float))
+    return Leaf(hinge, axis, frame.apply(np.array(thing.properties["corner"], float)), frame)
 
 
 def _page(task: HumanTask) -> float:
