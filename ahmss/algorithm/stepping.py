@@ -5,7 +5,7 @@ What the shipped algorithms that take the body somewhere share, and an author ma
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,14 +14,18 @@ import numpy as np
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
+from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import LINKS
 from ahmss.errors import AlgorithmError
+from ahmss.motion.planting import feet
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.library import Library
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
-__all__ = ["IMPORTANCE", "Stance", "ground_of", "in_time", "rows_of", "stepped", "walk_library", "walkers"]
+__all__ = [
+    "IMPORTANCE", "Stance", "ground_of", "in_time", "rows_of", "stepped", "until_free", "walk_library", "walkers",
+]  # fmt: skip
 
 _FEET = slice(2, 4)
 _CARES = {
@@ -29,6 +33,7 @@ _CARES = {
     "lower_arm": 0.15, "hand": 0.15,
 }  # fmt: skip
 _MISSED = 3  # frames for which who moves may not have been seen
+_PATIENCE = 15.0  # seconds that one stands and waits for others to go
 _LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 
 
@@ -129,7 +134,7 @@ def stepped(
     if away > most:
         raise AlgorithmError(f"{to} is {away:.1f} m from here; walk to {to} first")
     rotations, root = start.rotations.copy(), start.root.copy()
-    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
+    held = _held(task)
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, others=partial(walkers, task), note=task.note,
         held=task.busy,
@@ -141,6 +146,35 @@ def stepped(
         rotations[: piece.rotations.shape[1]], root = piece.rotations[-1], piece.root[-1]
         rotations[held] = start.rotations[held]
     return Stance(rotations, root)
+
+
+def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool], told: str) -> Iterator[Array]:
+    """Frames (1, 260) of standing for as long as somebody else is in the way.
+
+    Args:
+        task: whose algorithm.toml asks for `humans`. stance: how one stands.
+        hinders: whether who is at a place (2,) is in the way.
+        told: what is said of who stays there, after their name; says what to do.
+
+    Raises:
+        AlgorithmError: they stay, or the motion has a number of frames, in which nobody can wait for them.
+    """
+    targets = np.zeros((1, 5, 8))
+    targets[0, RIGHT_FOOT : LEFT_FOOT + 1, :7] = feet(task.human, stance.rotations, stance.root)
+    targets[0, RIGHT_FOOT : LEFT_FOOT + 1, 7] = 1.0
+    importance = IMPORTANCE.copy()
+    importance[_held(task)] = 0.0
+    waited = 0
+    while there := [other for other in walkers(task) if hinders(other.place)]:
+        if task.length or waited >= _PATIENCE * task.rate:
+            raise AlgorithmError(f"{there[0].name or 'somebody'} {told}")
+        yield task.block(stance.rotations[None], stance.root[None], importance[None], targets)
+        waited += 1
+
+
+def _held(task: HumanTask) -> list[int]:
+    """The links of arms whose hands hold something."""
+    return [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy)) and link.endswith(_ARM)]
 
 
 def _importance() -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.reaching import prisms_of
-from ahmss.algorithm.stepping import Stance, ground_of, stepped, walk_library, walkers
+from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.kinematics import forward
@@ -32,7 +32,7 @@ from ahmss.walking.library import BODY
 DOWN, UP = 2.1, 1.8  # seconds: sitting down takes 10 to 20 % longer than standing up
 OVER_SEAT = 0.0695  # of stature: the hips' height over what bears them
 NEAR, MOST, ASIDE = (0.06, np.radians(6.0)), 1.2, 0.15  # metres and radians: who stands so is not moved; metres stepped
-TAKEN, PATIENCE = 0.35, 15.0  # metres from the seat's middle: who is so near is on it; seconds that one waits for them
+TAKEN = 0.35  # metres from the seat's middle: who is so near is on it
 LEAN = np.radians(47.0)  # of the trunk, at the most
 OF_HIPS = 0.6  # of the lean that the hips make
 RECLINES = np.radians(4.0)  # of the trunk on the seat
@@ -86,20 +86,10 @@ def sit(task: HumanTask) -> Iterator[Array]:
 
 
 def _free(task: HumanTask, stance: Stance) -> Iterator[Array]:
-    """Frames (1, 260) of standing for as long as somebody else is on the seat.
-
-    Raises:
-        AlgorithmError: they stay there, or nobody has the time to wait for them; says who.
-    """
-    heading, seat = _seat(task)
-    waited = 0
-    while there := [who for who in walkers(task) if np.linalg.norm(who.place - seat.place[:2]) < TAKEN]:
-        if task.length or waited >= PATIENCE * task.rate:
-            who = there[0].name or "somebody"
-            raise AlgorithmError(f"{who} is where one sits on {_name(task)}; take another seat, or ask them to move")
-        stays = Move(stance, stance, heading, seat)
-        yield _rows(task, stays, stance, np.zeros(1))
-        waited += 1
+    """Frames of standing while somebody else is on the seat."""
+    seat = _seat(task)[1].place[:2]
+    told = f"is where one sits on {_name(task)}; take another seat, or ask them to move"
+    return until_free(task, stance, lambda place: float(np.linalg.norm(place - seat)) < TAKEN, told)
 
 
 def _down(task: HumanTask, stance: Stance) -> Array:

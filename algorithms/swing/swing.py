@@ -15,7 +15,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, walk_library
+from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, until_free, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
@@ -63,6 +63,7 @@ LONGEST = 0.3  # of stature: a step backwards or aside that is made without turn
 TRIED = 53  # angles that are looked at in a frame
 EASY, STRETCH = 0.86, 40.0  # share of the arm's length up to which it costs nothing, and what a whole one costs
 APART, TOUCH = 0.36, 60.0  # metres between the hips and the leaf that are kept, and what one too few costs
+PERSON, BESIDE = 0.28, 0.45  # metres that others are wide, from the leaf; and that one keeps from them, stepping along
 SOFT, PADDED, EDGE = 9.0, 60, 0.3  # frames by which the leaf's way is smoothed; shares of it that begin and end softly
 
 
@@ -123,6 +124,8 @@ def swing(task: HumanTask) -> Iterator[Array]:
     before = door.stand(door.angle)
     stance = yield from stepped(task, before, ground_of(task), near=NEAR, most=MOST, to=door.name)
     hand = Taking(task, door)
+    told = f"is where {door.name} is swung, or where one steps with it, and does not go; ask them to move"
+    yield from until_free(task, stance, hand.hindered, told)
     comes = hand.comes(stance)
     goes, then = hand.goes(stance)
     parts = (comes, goes, hand.leaves(then))
@@ -205,6 +208,16 @@ class Taking:
         wide = slerp(fist, out, opened_by)
         wide[:2] = out[:2]  # it passes the lever's end
         return wide
+
+    def hindered(self, place: Array) -> bool:
+        """Whether the leaf would hit who is at a place (2,) of the world, or one would walk into them."""
+        door = self.door
+        x, y, _ = door.closed.inverse().apply(np.array([*place, door.closed.place[2]])).tolist()
+        away, way = float(np.hypot(x, y)), door.wanted - door.angle
+        on = (np.arctan2(y, x) - door.angle) * np.sign(way)  # radians of the leaf's way before it comes to them
+        wide = np.arcsin(min(PERSON / max(away, 1e-9), 1.0))
+        swept = away < door.width + PERSON and 0.0 < on < abs(way) + wide
+        return bool(swept) or any(np.linalg.norm(place - goal.place) < BESIDE for goal in self._places())
 
     def _places(self) -> list[Goal]:
         """From where one stands to where one stands then, by places so near to each other that nobody turns to walk."""

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames, stepping
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
@@ -20,7 +20,7 @@ from ahmss.walking import trip
 from ahmss.walking.makingway import Walker
 
 from .reached import outlined
-from .scene import Body, module, program
+from .scene import Body, program
 from .solids import LEGS, SEAT, deepest
 
 CHAIR = "room/chair"
@@ -143,7 +143,7 @@ def somebody(frame: Transform, place: tuple[float, float]) -> ObjectRecord:
 
 @pytest.mark.parametrize("away", [0.0, 0.25])
 def test_who_is_on_the_chair_is_named_when_patience_ends(away: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module("sit"), "PATIENCE", 0.5)
+    monkeypatch.setattr(stepping, "_PATIENCE", 0.5)
     frame = chair(2)
     stands = at("ken", frame, STAND + np.array([away, 0.0, 0.0]))
     with pytest.raises(AlgorithmError, match="aiko is where one sits on room/chair; take another seat"):
@@ -158,7 +158,7 @@ def test_one_waits_for_who_is_on_the_chair_standing_still_and_then_sits_down(mon
         asked.append(1)
         return [Walker.of(np.zeros(1), seat[None, :2], "aiko")] if len(asked) <= 40 else []
 
-    monkeypatch.setattr(module("sit"), "walkers", walkers)
+    monkeypatch.setattr(stepping, "walkers", walkers)
     body = at("ken", frame)
     rotations, root = body.rotations.copy(), body.root.copy()
     shown = does(body, "sit", frame)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, Transform, frames
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames, stepping
+from ahmss.algorithm.messages import ObjectRecord
 from ahmss.bench.solids import Solids
 from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
@@ -25,7 +27,7 @@ from tests.demo.skin import Skin
 from tests.grasping.shapes import kind, outside
 
 from .reached import TABLE, outlined, prisms
-from .scene import DOOR, WORKSPACE, Body, program, record
+from .scene import DOOR, WORKSPACE, Body, module, program, record
 from .solids import JAMBS, LEAF, deepest
 
 SOLIDS = Solids(WORKSPACE)
@@ -234,3 +236,41 @@ def test_a_hand_that_was_drawn_in_stays_clear_of_the_table_or_is_let_down_and_no
 def test_who_is_far_is_told_to_walk_there_first() -> None:
     with pytest.raises(AlgorithmError, match=r"door is \d\.\d m from here; walk to room/doorway/door first"):
         swung("ken", "open", np.array([0.5, -3.5, 0.0]), 90.0)
+
+
+@pytest.mark.parametrize(
+    ("action", "at", "facing", "place", "hinders"),
+    [
+        ("open", BEFORE, 90.0, (0.5, 0.6), True),  # where the leaf swings
+        ("open", BEFORE, 90.0, (-0.05, 0.85), True),  # where it comes to rest
+        ("open", BEFORE, 90.0, (0.45, -0.4), True),  # where one steps along
+        ("open", BEFORE, 90.0, (1.6, 0.6), False),  # beyond it
+        ("open", BEFORE, 90.0, (-0.6, -0.9), False),
+        ("close", BEHIND, -90.0, (0.6, 0.2), True),
+        ("close", BEHIND, -90.0, (-0.5, 0.3), False),  # behind the open leaf
+    ],
+)
+def test_others_are_not_hit_by_the_leaf(
+    action: str, at: Array, facing: float, place: tuple[float, float], *, hinders: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed, angle = closed_door(4), 0.0 if action == "open" else WIDE
+    x, y, _ = closed.apply(at).tolist()
+    heading = float(np.degrees(2.0 * np.arctan2(closed.rotation[3], closed.rotation[0])))
+    body = Body("ken", x, y, heading + facing)
+    leaf = Transform(closed.place, multiply(closed.rotation, from_axis_angle(UP, angle)))
+    start = body.start(DOOR, action, frame=leaf, states={"angle": angle}, hand="right")
+    own, there = module("swing"), closed.apply(np.array([*place, 0.0]))
+    task = HumanTask(start)
+    assert own.Taking(task, own._door(task)).hindered(there[:2]) is hinders
+    if hinders:
+        monkeypatch.setattr(stepping, "_PATIENCE", 0.2)
+        monkeypatch.setattr(own, "stepped", lambda *_, **__: _stands(body))
+        somebody = ObjectRecord(-7, "aiko", "human", tuple(there.tolist()), (1.0, 0.0, 0.0, 0.0))
+        with pytest.raises(AlgorithmError, match="aiko is where room/doorway/door is swung"):
+            list(frames(program("swing"), msgspec.structs.replace(start, world=[somebody])))
+
+
+def _stands(body: Body) -> Iterator[Array]:  # -> Stance
+    """No steps: one stands there."""
+    yield from ()
+    return stepping.Stance(body.rotations, body.root)
