@@ -37,13 +37,15 @@ from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import nearest_free
 
 __all__ = [
-    "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken", "smoothest",
+    "NEAR", "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken", "smoothest",
     "standing", "stood_before",
 ]  # fmt: skip
 
+NEAR = 0.6
+"""Metres from a control within which others are looked at."""
+
 _UP = np.array([0.0, 0.0, 1.0])
 _Y = np.array([0.0, 1.0, 0.0])
-_NEAR = 0.6  # metres from a control within which others are looked at
 _SKIN, _NEARLY = 0.012, 0.002  # metres that the bones of a hand keep from what is beside a control
 _FLAT = 0.004  # metres: what is no higher is in nobody's way
 _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
@@ -59,7 +61,7 @@ _FACING = np.radians(55.0)  # that a control is aside of who uses it from where 
 _SEEN_FROM = np.cos(np.radians(70.0))  # how far aside of a control's axis one may stand to use it
 _MOST = 12.0  # metres that are walked to a control
 _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
-_TRIES = 4  # of palms, where the elbow would leap on the way
+_TRIES = 4  # of palms, where the elbow would leap on the way or something is touched
 _LEAP = np.radians(9.0)  # that an arm's link turns in a frame
 _OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
 _SPARSE = 3  # every so many palms show how easily an arm comes there
@@ -70,7 +72,7 @@ def beside(task: HumanTask) -> list[Box]:
     if task.object is None:
         return []
     at = task.object.place
-    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < _NEAR]
+    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < NEAR]
     return [box for thing in near if "box" in thing.properties for box in boxes_of(thing)]
 
 
@@ -127,7 +129,8 @@ def stood_before(
     gaze = Looking(task, goal.place) if gaze is None else gaze
     if task.library is None:
         return task, gaze
-    here = yield from gaze.during(_stretch(task, Reaching(task.human, task.start.rotations, task.start.root), goal))
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    here = yield from gaze.during(_stretch(task, reaching, goal))
     if here.stretched < _FROM_HERE and here.found and _faces(task):
         return task, gaze
     stand = yield from gaze.during(_best_stand(task, goal, prisms))
@@ -137,44 +140,54 @@ def stood_before(
 def smoothest(
     task: HumanTask, reaching: Reaching, goal: Goal, gaze: Looking, prisms: Sequence[Prism], off: Array,
     perform: Callable[[Plan], Generator[Array, None, Performed]],
+    touches: Callable[[Plan, Performed], float] | None = None,
 ) -> Generator[Array, None, tuple[Plan, Performed]]:  # fmt: skip
-    """The plan of a reach whose arm does not leap on the way, and what is performed of it; of some the smoothest.
+    """The plan of a reach that touches nothing and whose arm does not leap on the way, and what is performed of it.
+
+    Where all do so, that which touches least, and of those that touch nothing the smoothest.
 
     Args:
         task, reaching, goal, gaze, prisms, off: as of `planned`. perform: makes a plan's frames.
+        touches: metres by which those come too near to what they should not touch; 0: they keep clear.
     """
-    best: tuple[float, Plan, Performed] | None = None
-    made = None
+    best: tuple[float, float, Plan, Performed] | None = None
+    made, left = None, goal
     for tried in range(_TRIES):
-        plan = yield from planned(task, reaching, goal, gaze, prisms, off)
+        try:
+            plan = yield from planned(task, reaching, left, gaze, prisms, off)
+        except AlgorithmError:
+            if best is None:
+                raise
+            break  # what is left is out of reach
         made = yield from perform(plan)
         links = plan.reacher.links
         arm = np.concatenate([task.start.rotations[None, links], made.rotations[:, links]])
         cos = np.abs((arm[1:] * arm[:-1]).sum(axis=-1))
         leap = float(2.0 * np.arccos(np.clip(cos, 0.0, 1.0)).max(initial=0.0))
-        if best is None or leap < best[0]:
-            best = leap, plan, made
-        if leap < _LEAP:
+        touch = touches(plan, made) if touches is not None else 0.0
+        if best is None or (touch, leap) < best[:2]:
+            best = touch, leap, plan, made
+        if leap < _LEAP and touch <= 0.0:
             break
-        goal = _otherwise(goal, plan, other_hand=tried % 2 == 1)
+        other = _otherwise(left, plan, other_hand=tried % 2 == 1)
+        if other is None:
+            break
+        left = other
     assert best is not None
-    _, plan, first = best
+    _, _, plan, first = best
     if first is not made and first.looked < 1.0:  # the eyes have gone on since it was made
         first = yield from perform(plan)
     return plan, first
 
 
-def _otherwise(goal: Goal, plan: Plan, *, other_hand: bool) -> Goal:
-    """The goal without the palms that are turned about as a plan's is, or that hand; as it was where no others are."""
+def _otherwise(goal: Goal, plan: Plan, *, other_hand: bool) -> Goal | None:
+    """The goal without the palms that are turned about as a plan's is, or that hand; None where nothing is left."""
     palms = dict(goal.palms)
-    if other_hand and len(palms) > 1:
-        del palms[plan.reacher.side]
-        return replace(goal, palms=palms)
-    own = palms[plan.reacher.side]
+    own = palms.pop(plan.reacher.side)
     turned = 2.0 * np.arccos(np.clip(np.abs(own[:, 3:] @ plan.palm[3:]), 0.0, 1.0))
-    if (turned > _OTHERWISE).any():
+    if (turned > _OTHERWISE).any() and not (other_hand and palms):
         palms[plan.reacher.side] = own[turned > _OTHERWISE]
-    return replace(goal, palms=palms)
+    return replace(goal, palms=palms) if palms else None
 
 
 def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
@@ -234,7 +247,7 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
         if beside_them is not None and beside_them[1].found and beside_them[1].stretched < _FROM_HERE:
             return beside_them[0]
     reaching = _reaching(task, stand)
-    reacher = yield from reaching.better_side(goal, sides_of(task))
+    reacher = yield from reaching.better_side(goal, _sides(task, goal))
     _, _, arm = yield from reaching.posture(reacher, goal, prisms)
     if arm.missing > MOST_MISSING:
         x, y = stand.place.tolist()
@@ -254,7 +267,7 @@ def _easiest(
     """
     best: tuple[float, goals.Goal, Stretch] | None = None
     places = list(places)
-    for side in sides_of(task):
+    for side in _sides(task, goal):
         sign = 1.0 if side == "right" else -1.0
         for aside, away in places:
             stand = before(task, away, sign * aside)
@@ -289,10 +302,15 @@ def _reaching(task: HumanTask, stand: goals.Goal) -> Reaching:
     return Reaching(task.human, rotations, rotate(turn, root) + np.append(stand.place, 0.0))
 
 
+def _sides(task: HumanTask, goal: Goal) -> list[str]:
+    """The hands that may be used and have palms there."""
+    return [side for side in sides_of(task) if not goal.palms or side in goal.palms]
+
+
 def _stretch(task: HumanTask, reaching: Reaching, goal: Goal, sides: tuple[str, ...] | None = None) -> Steps[Stretch]:
     """How the better arm comes to the goal, the trunk as it is."""
     found: list[Stretch] = []
-    for side in sides_of(task) if sides is None else sides:
+    for side in _sides(task, goal) if sides is None else sides:
         reacher = Reacher.of(task.human, side)
         palms = reaching.palms(reacher, goal)[::_SPARSE]
         _, arm = yield from stretch_of(reacher, palms, reaching.base, reaching.present(reacher), ())

@@ -7,13 +7,13 @@ the hand comes along its x, thumb and fingers close along its z. What the shippe
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ahmss.algorithm.box import Box
-from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, smoothest, stood_before
+from ahmss.algorithm.clearing import KEEPS, gap_of, offs, refuse_touching
+from ahmss.algorithm.controls import beside, front_of, in_the_way, smoothest, stood_before
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking, performed, sides_of
 from ahmss.algorithm.task import HumanTask
@@ -34,18 +34,21 @@ from ahmss.reaching.handpoints import hand_points
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing
+from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, seat
 
 __all__ = ["Part", "gone_back", "pinched", "rows_made"]
 
-_BEFORE = 0.07  # metres before the part at which the open hand is set, and to which it goes back
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
-_KEEPS = 0.012  # metres that the bones of a hand keep from what is beside, as `clear_of` has it
+_NEARLY, _SEEN_CLEAR = 0.002, 0.008  # metres: as good as the clearest; that do where it is performed
+_MOST_WAYS, _AWAY = 3, (0.5, 1.0)  # ways that are tried; shares of `off` at which it is looked whether they are clear
+_REACHES = 0.3  # metres from the part to what a hand may touch that holds it
 _PLATE = 0.1  # metres of it about a control
 _GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
+_ALL_TILTS, _ALL_ROLLS = np.radians(np.arange(-60.0, 61.0, 15.0)), np.radians([0.0, -20.0, 20.0, -40.0, 40.0])
 
 Way = Callable[[Array], tuple[Array, Array]]
 
@@ -55,23 +58,31 @@ class Part:
     """What is taken and moved.
 
     site: where it is taken, as it is now, in the world. way: for shares (n) of its way, from 0 to 1, the site's places
-    (n, 3), and the turns (n, 4) in the world that the hand makes with it. seconds: that the way takes.
+    (n, 3), and the turns (n, 4) in the world that the hand makes with it. seconds: that the way takes. off: (3,) metres
+    from where a hand is on it to where the open hand is set, and to which it goes back.
     """
 
     site: Transform
     way: Way
     seconds: float
+    off: Array = field(default_factory=lambda: np.zeros(3))
+
+    def palm(self, set_at: Array) -> Transform:
+        """The palm on it, of a hand that is set before it (7,)."""
+        return Transform(set_at[:3] - self.off, set_at[3:])
 
 
 def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[Array]:
     """Frames (n, 260): the hand comes, closes, moves the part, opens, and goes back the way that it came.
 
-    Where the arm can't go all the way so it goes the other way, if there is one, with the same site.
+    Where the arm can't go all the way so it goes the other way, if there is one, with the same site. Where neighbours
+    would be touched it comes and goes otherwise: from farther before the part, aslant, with other palms, or the other
+    hand.
 
     Raises:
-        AlgorithmError: thumb and fingers can't close there, or it is out of reach; says so.
+        AlgorithmError: thumb and fingers can't close there, it is out of reach, or something is in the way; says so.
     """
-    gaze, taken, boxes = Looking(task, part.site.place), dict[str, list[_Grip]](), _kept_from(task)
+    gaze, taken, boxes = Looking(task, part.site.place), dict[str, list[_Grip]](), _kept_from(task, part)
     yield gaze.alone()
     for side in sides_of(task):
         for over in _OVER:
@@ -85,33 +96,143 @@ def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[
     if not taken:
         name = "it" if task.object is None else task.object.name
         raise AlgorithmError(f"thumb and fingers can't close on {name} there; give the site another rotation")
-    palms = {side: np.concatenate([_tilted(task, part, grip) for grip in found]) for side, found in taken.items()}
-    goal, prisms = Goal(part.site.place, palms=palms), in_the_way(task)
+    ways = yield from _ways(task, part, taken, boxes, gaze)
+    prisms = in_the_way(task)
+    goal = Goal(part.site.place, palms=ways[0].clear)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
-    lasting = _lasting(task, part, palms)
-    goal = Goal(part.site.place, palms=lasting or palms)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
+    lasting = [one for way in ways if (one := _lasting(reaching, way)) is not None]
+    ways = sorted(lasting, key=lambda way: -min(way.gap, KEEPS))[:_MOST_WAYS] or ways[:1]
+    best: _Tried | None = None
+    refused: AlgorithmError | None = None
+    one = None
+    while ways:
+        way = ways.pop(0)
+        try:
+            one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze)
+        except AlgorithmError as error:  # another way may be within reach
+            refused = refused or error
+            continue
+        best = one if best is None or one.flaw < best.flaw else best
+        if best.flaw <= 0.0:
+            break
+    if best is None:
+        assert refused is not None
+        raise refused
+    if best is not one and best.made.looked < 1.0:  # the eyes have gone on since it was made
+        best = replace(best, made=(yield from best.perform(best.plan)))
+    side = best.plan.reacher.side
+    refuse_touching(task, side, *_shown(best.made, best.back(task)), beside(task))
+    yield rows_made(task, best.made)
+    yield best.back(task)
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """How hands come to a part and go: its part, `off` and all; by side palms (n, 7) on it, and the metres (n) that
+    each then keeps from what is beside.
+    """
+
+    part: Part
+    palms: dict[str, Array]
+    gaps: dict[str, Array]
+
+    @property
+    def gap(self) -> float:
+        """Metres that the clearest palm keeps."""
+        return max(float(gaps.max()) for gaps in self.gaps.values())
+
+    @property
+    def clear(self) -> dict[str, Array]:
+        """The palms that are clear; where none is, the clearest."""
+        least = min(KEEPS, self.gap - _NEARLY)
+        kept = {side: palms[self.gaps[side] > least] for side, palms in self.palms.items()}
+        return {side: palms for side, palms in kept.items() if len(palms)}
+
+
+def _ways(
+    task: HumanTask, part: Part, taken: dict[str, list[_Grip]], boxes: Sequence[Box], gaze: Looking
+) -> Generator[Array, None, list[_Way]]:
+    """The ways in which hands may come, the clearest first; only the plainest where nothing is beside."""
+    ways = [_way(task, replace(part, off=offs(part.site)[0]), taken, boxes, _TILTS, _ROLLS)]
+    yield gaze.alone()
+    for off in offs(part.site) if boxes else ():
+        ways.append(_way(task, replace(part, off=off), taken, boxes, _ALL_TILTS, _ALL_ROLLS))
+        yield gaze.alone()
+    return sorted(ways, key=lambda way: -min(way.gap, KEEPS))
+
+
+def _way(
+    task: HumanTask, part: Part, taken: dict[str, list[_Grip]], boxes: Sequence[Box], tilts: Array, rolls: Array
+) -> _Way:
+    """Of palms that hold the part, turned about it so, how clear each is."""
+    palms = {side: [_turned(part, grip, tilts, rolls) for grip in found] for side, found in taken.items()}
+    gaps = {
+        side: np.concatenate(
+            [_gaps(task, part, grip, own, boxes) for grip, own in zip(taken[side], found, strict=True)]
+        )
+        for side, found in palms.items()
+    }
+    return _Way(part, {side: np.concatenate(found) for side, found in palms.items()}, gaps)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
+
+    perform: makes a plan's frames anew.
+    """
+
+    flaw: float
+    part: Part
+    plan: Plan
+    made: Performed
+    perform: Callable[[Plan], Generator[Array, None, Performed]]
+
+    def back(self, task: HumanTask) -> Array:
+        """Frames (n, 260) in which it goes back."""
+        return _back(task, self.part, self.plan, self.made)
+
+
+def _tried(
+    task: HumanTask, way: _Way, other: Part | None, taken: dict[str, list[_Grip]], reaching: Reaching,
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking,
+) -> Generator[Array, None, _Tried]:  # fmt: skip
+    """What comes of a way.
+
+    Raises:
+        AlgorithmError: it is out of reach so.
+    """
+    part = way.part
+    goal = Goal(part.site.place, palms=way.clear)
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
         grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
         made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
         if other is not None and _missed(task, part, plan, made) > _MISSED:
-            made = yield from _made(task, other, plan, gaze, reaching, grip.holding)
+            made = yield from _made(task, replace(other, off=part.off), plan, gaze, reaching, grip.holding)
         return made
 
-    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, -_BEFORE * into, perform)
-    rest = {side: own for side, own in goal.palms.items() if side != plan.reacher.side}
-    missed = _missed(task, part, plan, made)
-    if rest and missed > _MISSED:
-        goal = Goal(part.site.place, palms=rest)
-        with suppress(AlgorithmError):  # the other hand may not reach it: then this one does what it can
-            second = yield from smoothest(task, reaching, goal, gaze, prisms, -_BEFORE * into, perform)
-            if _missed(task, part, *second) < missed:
-                plan, made = second
-    yield rows_made(task, made)
-    length = len(made.root) - len(_moved(task, part, plan.palm)[0])
-    yield gone_back(task, made, length, plan.reacher.links)
+    def flaw(plan: Plan, made: Performed) -> float:
+        missed = max(_missed(task, part, plan, made) - _MISSED, 0.0)
+        if not boxes:
+            return missed
+        gap = gap_of(task, plan.reacher.side, *_shown(made, _back(task, part, plan, made)), beside(task))
+        return missed + max(_SEEN_CLEAR - gap, 0.0)
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
+    return _Tried(flaw(plan, made), part, plan, made, perform)
+
+
+def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:
+    """Frames (n, 260) in which the hand goes back the way that it came to the part."""
+    return gone_back(task, made, len(made.root) - len(_moved(task, part, plan.palm)[0]), plan.reacher.links)
+
+
+def _shown(made: Performed, back: Array) -> tuple[Array, Array]:
+    """Rotations (n, 43, 4) and root (n, 3) of what is made and of the rows (m, 260) in which it goes back."""
+    rotations = np.concatenate([made.rotations, back[:, 4:176].reshape(-1, 43, 4)])
+    return rotations, np.concatenate([made.root, back[:, 1:4]])
 
 
 def _made(
@@ -134,7 +255,7 @@ def _held(task: HumanTask, part: Part, plan: Plan, holding: Holding) -> Holding:
     assert thing.shape is not None
     assert task.site is not None
     at_rest = thing.frame.inverse().then(task.site)  # the shape has the part so
-    palm = at_rest.then(part.site.inverse().then(_palm_on(part, plan.palm)))
+    palm = at_rest.then(part.site.inverse().then(part.palm(plan.palm)))
     hand = Hand.of(task.human, plan.reacher.side)
     again = rolled(hand, thing.shape.field(at_rest.place), palm.row(), holding)
     return again if holding.wide is None else curled(hand, again)
@@ -145,25 +266,28 @@ def _wide(task: HumanTask, side: str, holding: Holding) -> Array:
     return opener(Hand.of(task.human, side), holding) if holding.wide is None else holding.wide
 
 
-def _lasting(task: HumanTask, part: Part, palms: dict[str, Array]) -> dict[str, Array]:
-    """By side, of palms (n, 7) on the part those which the arm can bring to both ends of its way; sides with some."""
-    start, lasting = task.start, dict[str, Array]()
-    spine = seat(task.human, start.rotations, start.root)
-    for side, own in palms.items():
-        reacher = Reacher.of(task.human, side)
-        on_part = [_on(part, Transform.of(palm), np.array([0.0, 1.0])) for palm in own]
-        _, found, _ = discomfort(
-            reacher, np.stack(on_part), spine, reacher.arm.from_pose(start.rotations[reacher.links])
-        )
+def _lasting(reaching: Reaching, way: _Way) -> _Way | None:
+    """The way with those palms which the arm can bring to both ends of the part's way and off it; None: it can none."""
+    skeleton, start, part = reaching.skeleton, reaching.start, way.part
+    spine = seat(skeleton, start.rotations, start.root)
+    palms, gaps = dict[str, Array](), dict[str, Array]()
+    for side, own in way.palms.items():
+        reacher = Reacher.of(skeleton, side)
+        path = np.stack([_along(part, palm) for palm in own])
+        _, found, _ = discomfort(reacher, path, spine, reaching.present(reacher))
         both = found.all(axis=1)
         if both.any():
-            lasting[side] = own[both]
-    return lasting
+            palms[side], gaps[side] = own[both], way.gaps[side][both]
+    return replace(way, palms=palms, gaps=gaps) if palms else None
 
 
-def _palm_on(part: Part, set_at: Array) -> Transform:
-    """The palm on the part, of a hand that is set before it (7,)."""
-    return Transform(set_at[:3] + _BEFORE * rotate(part.site.rotation, np.array([1.0, 0.0, 0.0])), set_at[3:])
+def _along(part: Part, palm: Array) -> Array:
+    """Palms (4, 7) of one (7,) on the part: at both ends of its way, on the part and off it."""
+    ends = np.array([0.0, 1.0])
+    on = _on(part, Transform.of(palm), ends)
+    off = on.copy()
+    off[:, :3] += rotate(part.way(ends)[1], part.off)
+    return np.concatenate([on, off])
 
 
 def _on(part: Part, palm: Transform, share: Array) -> Array:
@@ -175,11 +299,11 @@ def _on(part: Part, palm: Transform, share: Array) -> Array:
 
 def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
     """Metres by which a point of the hand at the part's distance from the palm is off at the most: the arm's joints."""
-    then, _ = _moved(task, part, plan.palm)
-    n = len(then)
+    then, closed = _moved(task, part, plan.palm)
+    n, holds = len(then), closed > 0.0
     got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
     turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
-    return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned).max())
+    return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned)[holds].max())
 
 
 def rows_made(task: HumanTask, made: Performed) -> Array:
@@ -235,25 +359,28 @@ def _grip(task: HumanTask, side: str, part: Part, over: float) -> _Grip | None:
     return _Grip(side, part.site.then(palm), holding)
 
 
-def _tilted(task: HumanTask, part: Part, grip: _Grip) -> Array:
-    """Palms (n, 7) that hold the part as `_turned` has them; where things are beside it, those clear of them."""
-    palms, boxes = _turned(part, grip), _kept_from(task)
-    return clear_of(boxes, palms, _points(task, part, grip, palms)) if boxes else palms
+def _gaps(task: HumanTask, part: Part, grip: _Grip, palms: Array, boxes: Sequence[Box]) -> Array:
+    """Metres (n) that hands of palms (n, 7) on the part keep from boxes."""
+    if not boxes:
+        return np.full(len(palms), np.inf)
+    points = _points(task, part, grip, palms)
+    return np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0)
 
 
-def _turned(part: Part, grip: _Grip) -> Array:
+def _turned(part: Part, grip: _Grip, tilts: Array = _TILTS, rolls: Array = _ROLLS) -> Array:
     """Palms (n, 7) that hold the part between the same pads, the hand turned about it: which is easiest is chosen."""
     across = rotate(part.site.rotation, np.array([0.0, 0.0, 1.0]))
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
-    tilt, roll = (a.ravel() for a in np.meshgrid(_TILTS, _ROLLS, indexing="ij"))
+    tilt, roll = (a.ravel() for a in np.meshgrid(tilts, rolls, indexing="ij"))
     turned = multiply(from_axis_angle(across, tilt), from_axis_angle(into, roll))
     places = part.site.place + rotate(turned, grip.palm.place - part.site.place)
     return np.concatenate([places, multiply(turned, grip.palm.rotation)], axis=-1)
 
 
-def _kept_from(task: HumanTask) -> list[Box]:
+def _kept_from(task: HumanTask, part: Part) -> list[Box]:
     """What else a hand keeps from: the controls beside it, if there are any, and the plate that they all are on."""
-    boxes, thing = beside(task), task.object
+    thing = task.object
+    boxes = [box for box in beside(task) if float(box.gap(part.site.place)) < _REACHES]
     if not boxes or thing is None or "box" not in thing.properties:
         return boxes
     low, high = np.array(thing.properties["box"], float)
@@ -262,16 +389,21 @@ def _kept_from(task: HumanTask) -> list[Box]:
 
 
 def _points(task: HumanTask, part: Part, grip: _Grip, palms: Array) -> Array:
-    """Points (n, m, 3) of the hand, open and closed, at both ends of the part's way and between, of palms on it."""
-    shapes = (grip.holding.shape, _wide(task, grip.side, grip.holding))
-    on = np.stack([_on(part, Transform.of(palm), np.array([0.0, 0.5, 1.0])) for palm in palms], axis=1)
-    points = [hand_points(task.human, grip.side, some, shape) for some in on for shape in shapes]
+    """Points (n, m, 3) of the hand of palms on the part: open and closed, at both ends of its way and between; and open
+    on the way to it and from it.
+    """
+    wide, share = _wide(task, grip.side, grip.holding), np.array([0.0, 0.5, 1.0])
+    on = np.stack([_on(part, Transform.of(palm), share) for palm in palms], axis=1)
+    points = [hand_points(task.human, grip.side, some, shape) for some in on for shape in (grip.holding.shape, wide)]
+    for away in _AWAY if part.off.any() else ():
+        off = np.concatenate([rotate(part.way(share)[1], away * part.off), np.zeros((3, 4))], axis=-1)
+        points += [hand_points(task.human, grip.side, some + by, wide) for some, by in zip(on, off, strict=True)]
     return np.concatenate(points, axis=1)
 
 
 def _clearer(task: HumanTask, part: Part, grip: _Grip, boxes: Sequence[Box]) -> _Grip:
     """The grip, or the same with the fingers in the palm that do nothing where that keeps clearer of boxes."""
-    if _clear(task, part, grip, boxes) > _KEEPS:
+    if _clear(task, part, grip, boxes) > KEEPS:
         return grip
     alone = replace(grip, holding=curled(Hand.of(task.human, grip.side), grip.holding))
     return max((grip, alone), key=lambda one: _clear(task, part, one, boxes))
@@ -279,21 +411,19 @@ def _clearer(task: HumanTask, part: Part, grip: _Grip, boxes: Sequence[Box]) -> 
 
 def _clear(task: HumanTask, part: Part, grip: _Grip, boxes: Sequence[Box]) -> float:
     """Metres between a hand on the part and boxes, tilted as keeps it farthest from them."""
-    points = _points(task, part, grip, _turned(part, grip))
-    return float(np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0).max())
+    return float(_gaps(task, part, grip, _turned(part, grip), boxes).max())
 
 
 def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
     """Palms (n, 7) from before the part, where the hand is set (7,), to it, with it, off it, and back to where they
     came from; and how far the fingers are closed (n), 0 to 1.
     """
-    into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
     counts = [round(seconds * task.rate) for seconds in (_COMES, _CLOSES, part.seconds, _OPENS, _LEAVES, _RETURNS)]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
     back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
     way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
     closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
-    palms = _on(part, _palm_on(part, set_at), way)
-    palms[:, :3] -= _BEFORE * back[:, None] * rotate(part.way(way)[1], into)
+    palms = _on(part, part.palm(set_at), way)
+    palms[:, :3] += back[:, None] * rotate(part.way(way)[1], part.off)
     return palms, closed
