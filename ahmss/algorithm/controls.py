@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Callable, Generator, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Generator, Iterable, Sequence
 
 import numpy as np
 
 from ahmss.algorithm.box import Box, boxes_of
 from ahmss.algorithm.place import Transform
-from ahmss.algorithm.reaching import MOST_MISSING, Looking, planned, prisms_of, sides_of
+from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, sides_of
 from ahmss.algorithm.sighting import Sighting
 from ahmss.algorithm.stepping import ground_of, stepped, walk_library, walkers
 from ahmss.algorithm.task import HumanFrame, HumanTask
@@ -27,8 +26,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch, stretch_of
-from ahmss.reaching.performing import Performed
-from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.plan import Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.steps import Steps
@@ -37,7 +35,7 @@ from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import nearest_free
 
 __all__ = [
-    "NEAR", "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken", "smoothest",
+    "NEAR", "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
     "standing", "stood_before",
 ]  # fmt: skip
 
@@ -61,9 +59,6 @@ _FACING = np.radians(55.0)  # that a control is aside of who uses it from where 
 _SEEN_FROM = np.cos(np.radians(70.0))  # how far aside of a control's axis one may stand to use it
 _MOST = 12.0  # metres that are walked to a control
 _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
-_TRIES = 4  # of palms, where the elbow would leap on the way or something is touched
-_LEAP = np.radians(9.0)  # that an arm's link turns in a frame
-_OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
 _SPARSE = 3  # every so many palms show how easily an arm comes there
 
 
@@ -135,59 +130,6 @@ def stood_before(
         return task, gaze
     stand = yield from gaze.during(_best_stand(task, goal, prisms))
     return (yield from gone_to(task, stand, gaze))
-
-
-def smoothest(
-    task: HumanTask, reaching: Reaching, goal: Goal, gaze: Looking, prisms: Sequence[Prism], off: Array,
-    perform: Callable[[Plan], Generator[Array, None, Performed]],
-    touches: Callable[[Plan, Performed], float] | None = None,
-) -> Generator[Array, None, tuple[Plan, Performed]]:  # fmt: skip
-    """The plan of a reach that touches nothing and whose arm does not leap on the way, and what is performed of it.
-
-    Where all do so, that which touches least, and of those that touch nothing the smoothest.
-
-    Args:
-        task, reaching, goal, gaze, prisms, off: as of `planned`. perform: makes a plan's frames.
-        touches: metres by which those come too near to what they should not touch; 0: they keep clear.
-    """
-    best: tuple[float, float, Plan, Performed] | None = None
-    made, left = None, goal
-    for tried in range(_TRIES):
-        try:
-            plan = yield from planned(task, reaching, left, gaze, prisms, off)
-        except AlgorithmError:
-            if best is None:
-                raise
-            break  # what is left is out of reach
-        made = yield from perform(plan)
-        links = plan.reacher.links
-        arm = np.concatenate([task.start.rotations[None, links], made.rotations[:, links]])
-        cos = np.abs((arm[1:] * arm[:-1]).sum(axis=-1))
-        leap = float(2.0 * np.arccos(np.clip(cos, 0.0, 1.0)).max(initial=0.0))
-        touch = touches(plan, made) if touches is not None else 0.0
-        if best is None or (touch, leap) < best[:2]:
-            best = touch, leap, plan, made
-        if leap < _LEAP and touch <= 0.0:
-            break
-        other = _otherwise(left, plan, other_hand=tried % 2 == 1)
-        if other is None:
-            break
-        left = other
-    assert best is not None
-    _, _, plan, first = best
-    if first is not made and first.looked < 1.0:  # the eyes have gone on since it was made
-        first = yield from perform(plan)
-    return plan, first
-
-
-def _otherwise(goal: Goal, plan: Plan, *, other_hand: bool) -> Goal | None:
-    """The goal without the palms that are turned about as a plan's is, or that hand; None where nothing is left."""
-    palms = dict(goal.palms)
-    own = palms.pop(plan.reacher.side)
-    turned = 2.0 * np.arccos(np.clip(np.abs(own[:, 3:] @ plan.palm[3:]), 0.0, 1.0))
-    if (turned > _OTHERWISE).any() and not (other_hand and palms):
-        palms[plan.reacher.side] = own[turned > _OTHERWISE]
-    return replace(goal, palms=palms) if palms else None
 
 
 def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:

@@ -14,9 +14,10 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.box import Box
-from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, smoothest, stood_before
+from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
 from ahmss.algorithm.pinching import gone_back, rows_made
 from ahmss.algorithm.reaching import performed, sides_of
+from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
