@@ -13,6 +13,8 @@ from ahmss.reaching.reacher import Reacher, seat
 
 __all__ = ["with_hand_moved"]
 
+_SOFT, _FULLY = 0.985, 0.996  # of the arm's length: from where on it gives less, and what it is not stretched beyond
+
 
 def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Array) -> Array:
     """The arm's rows (3, 4) of a pose (43, 4), (3,) whose hand is moved by (3,) metres in the world.
@@ -23,8 +25,21 @@ def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Arra
     turn = multiply(seat(reacher.skeleton, rotations, root)[1], arm.rotation)
     links = arm.from_pose(before)
     wrist = wrist_of(arm, links)
-    wrist = Wrist(wrist.place + rotate(conjugate(turn), moved), wrist.rotation)
+    place = wrist.place + rotate(conjugate(turn), moved)
+    wrist = Wrist(_within(reacher.length, place, float(np.linalg.norm(wrist.place))), wrist.rotation)
     made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(np.zeros(()))
     held, (low, high) = hand_angles(links), limits_of(arm)[HAND].T
     made = with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
     return align(arm.into_pose(made), before)
+
+
+def _within(length: float, place: Array, was: float) -> Array:
+    """The wrist's place (3,) from the shoulder, not so far that the elbow becomes straight: it would get there, and
+    leave, ever faster. Who held it farther off, `was` metres, may.
+    """
+    away = float(np.linalg.norm(place))
+    soft = max(_SOFT * length, was)
+    if away <= soft:
+        return place
+    span = max(_FULLY * length - soft, 1e-9)
+    return place * ((soft + span * (1.0 - np.exp((soft - away) / span))) / away)
