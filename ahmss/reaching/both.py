@@ -25,7 +25,7 @@ from ahmss.reaching.steps import Steps
 __all__ = ["Between", "posture_for_both"]
 
 _LEANS, _DROPS = np.radians(np.arange(0.0, 81.0, 5.0)), (0.0, 0.05, 0.1, 0.15, 0.2)
-_SEATED = np.radians(np.arange(0.0, 56.0, 5.0))  # who sits bends no further: the chair is to be nearer
+_SEATED = np.radians(np.arange(0.0, 26.0, 5.0))  # who sits bends no further: the chair is to be nearer
 _EFFORT, _KNEES = 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2  # of leaning and of knees bent
 _EASY, _TOO_FAR, _SHORT, _NOT = 4.0, 600.0, 60.0, 20.0  # as of one arm; a metre too short; joints that don't allow it
 _ARM, _INSIDE, _LIMIT = 0.15, 400.0, 3000.0

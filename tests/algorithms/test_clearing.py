@@ -38,9 +38,7 @@ def test_the_neighbour_that_a_hand_would_be_in_is_named_with_how_deep() -> None:
     shown = body.rotations[None], body.root[None]
     assert gap_of(task, "right", *shown, beside(task)) < -0.002
     assert gap_of(task, "left", *shown, beside(task)) > 0.05
-    with pytest.raises(
-        AlgorithmError, match=r"panel/gauge_2 is in the way of a hand at panel/rotary_switch_1, .* mm"
-    ):
+    with pytest.raises(AlgorithmError, match=r"panel/gauge_2 is in the way of a hand at panel/rotary_switch_1, .* mm"):
         refuse_touching(task, "right", *shown, beside(task))
     refuse_touching(task, "left", *shown, beside(task))
 
