@@ -5,17 +5,22 @@ A console is a few blocks rather than one as high as its top, so that a hand com
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from ahmss.algorithm.place import Transform, WorldObject
 from ahmss.body.array import Array
+from ahmss.body.quaternion import to_matrix
 from ahmss.reaching.prism import Prism
 
-__all__ = ["Box", "boxes_of"]
+__all__ = ["Box", "boxes_of", "nearest"]
+
+_ALIKE = 1e-12  # by which the components of two rotations differ that are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +48,61 @@ class Box:
         hull = shapely.convex_hull(shapely.MultiPoint(places[:, :2]))
         ring = shapely.get_coordinates(hull)[:-1]
         return Prism(ring, float(places[:, 2].min()), float(places[:, 2].max()), sought)
+
+
+def nearest(boxes: Sequence[Box], points: Array, most: float) -> Array:
+    """The metres (n) between hands, or what else is together, of points (n, m, 3) of the world and the nearest box.
+
+    Negative within; never more than `most`: what is farther is not looked at, so that many boxes cost little more than
+    the few that are near.
+    """
+    gaps = np.full(len(points), most)
+    if not boxes:
+        return gaps
+    middle = 0.5 * (points.min(axis=1) + points.max(axis=1))
+    about = np.sqrt(((points - middle[:, None]) ** 2).sum(axis=-1).max(axis=1))
+    for turn, low, high in _alike(boxes):
+        own = middle @ turn
+        off = np.maximum(np.maximum(low[:, None] - own, own - high[:, None]), 0.0)  # (b, n, 3)
+        box, some = np.nonzero((off**2).sum(axis=-1) < (about + most) ** 2)
+        if not len(some):
+            continue
+        np.minimum.at(gaps, some, _gaps(turn, low, high, points, box, some))
+    return gaps
+
+
+def _alike(boxes: Sequence[Box]) -> list[tuple[Array, Array, Array]]:
+    """Boxes by how they are turned: the rotation (3, 3), and their corners (b, 3) along its axes, from the origin."""
+    rotations, left = np.array([box.frame.rotation for box in boxes]), np.ones(len(boxes), bool)
+    corners = np.array([(box.low, box.high) for box in boxes])
+    places = np.array([box.frame.place for box in boxes])
+    found: list[tuple[Array, Array, Array]] = []
+    while left.any():
+        first = rotations[left.argmax()]
+        own = left & (np.abs(rotations - first).max(axis=-1) < _ALIKE)
+        turn = to_matrix(first)
+        at = places[own] @ turn
+        found.append((turn, at + corners[own, 0], at + corners[own, 1]))
+        left &= ~own
+    return found
+
+
+def _gaps(turn: Array, low: Array, high: Array, points: Array, box: NDArray[np.intp], some: NDArray[np.intp]) -> Array:
+    """The metres (p) of pairs of a box and some points: their numbers (p), the boxes' corners along a rotation's axes.
+
+    A component of all points lies together in memory, which is several times as fast.
+    """
+    used, pair = np.unique(some, return_inverse=True)
+    m = points.shape[1]
+    own = (turn.T @ points[used].reshape(-1, 3).T).reshape(3, len(used), m)[:, pair]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    own -= middle[box].T[..., None]
+    off = np.abs(own, out=own)
+    off -= half[box].T[..., None]
+    within = np.maximum(np.maximum(off[0], off[1]), off[2]).min(axis=1)
+    np.maximum(off, 0.0, out=off)
+    off *= off
+    return np.where(within < 0.0, within, np.sqrt((off[0] + off[1] + off[2]).min(axis=1)))
 
 
 def boxes_of(thing: WorldObject) -> list[Box]:

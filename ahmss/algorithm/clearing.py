@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ahmss.algorithm.box import Box, boxes_of
+from ahmss.algorithm.box import Box, boxes_of, nearest
 from ahmss.algorithm.controls import NEAR
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
@@ -26,7 +26,7 @@ WITHIN = 0.002
 """Metres that they may be in it, where there is no other way."""
 
 _EACH = 3  # frames: every so many are looked at
-_NEAR = 0.05  # metres about the way of a hand, within which a thing's own distance from it is asked for
+_FAR = 0.1  # metres from a hand: what is farther is not looked at
 _TILTS, _AWAY = np.radians([0.0, 30.0, -30.0]), (0.07, 0.12)
 _X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -47,17 +47,9 @@ def offs(site: Transform) -> list[Array]:
 
 
 def gap_of(task: HumanTask, side: str, rotations: Array, root: Array, boxes: Sequence[Box]) -> float:
-    """Metres between the bones of a hand in frames (n, 43, 4), (n, 3) and boxes; negative within, at most far away."""
-    if not boxes:
-        return np.inf
+    """Metres between the bones of a hand in frames (n, 43, 4), (n, 3) and boxes; negative within, at most `_FAR`."""
     points = _points(task, side, rotations[::_EACH], root[::_EACH])
-    low, high = points.min(axis=0) - _NEAR, points.max(axis=0) + _NEAR
-    nearest = 2.0 * _NEAR
-    for box in boxes:
-        corners = box.corners()
-        if (corners.min(axis=0) <= high).all() and (corners.max(axis=0) >= low).all():
-            nearest = min(nearest, float(box.gap(points).min()))
-    return nearest
+    return float(nearest(boxes, points, _FAR).min())
 
 
 def refuse_touching(task: HumanTask, side: str, rotations: Array, root: Array, boxes: Sequence[Box]) -> None:
@@ -73,7 +65,7 @@ def refuse_touching(task: HumanTask, side: str, rotations: Array, root: Array, b
     depth: dict[str, float] = {}
     for thing in task.world.values():
         if float(np.linalg.norm(thing.place - task.object.place)) < NEAR and "box" in thing.properties:
-            depth[thing.name] = -min((float(box.gap(points).min()) for box in boxes_of(thing)), default=np.inf)
+            depth[thing.name] = -float(nearest(boxes_of(thing), points, _FAR).min())
     name = max(depth, key=lambda name: depth[name], default="")
     if name and depth[name] > WITHIN:
         raise AlgorithmError(
@@ -83,9 +75,9 @@ def refuse_touching(task: HumanTask, side: str, rotations: Array, root: Array, b
 
 
 def _points(task: HumanTask, side: str, rotations: Array, root: Array) -> Array:
-    """The wrist, and each finger's joints, middles and tips (m, 3) in frames."""
+    """The wrist, and each finger's joints, middles and tips (n, m, 3) in frames."""
     places, turned = forward(rotations, root, task.human.offsets)
     links = [INDEX[f"{side}_hand"], *fingers(side)]
     assert side in SIDES
     ends = places[:, links] + rotate(turned[:, links], task.human.tips[links])
-    return np.concatenate([places[:, links], 0.5 * (places[:, links] + ends), ends], axis=1).reshape(-1, 3)
+    return np.concatenate([places[:, links], 0.5 * (places[:, links] + ends), ends], axis=1)

@@ -13,7 +13,7 @@ from collections.abc import Generator, Iterable, Sequence
 
 import numpy as np
 
-from ahmss.algorithm.box import Box, boxes_of
+from ahmss.algorithm.box import Box, boxes_of, nearest
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, sides_of
 from ahmss.algorithm.sighting import Sighting
@@ -45,6 +45,7 @@ NEAR = 0.6
 _UP = np.array([0.0, 0.0, 1.0])
 _Y = np.array([0.0, 1.0, 0.0])
 _SKIN, _NEARLY = 0.012, 0.002  # metres that the bones of a hand keep from what is beside a control
+_FAR = 0.05  # metres: what is farther is as clear as can be
 _FLAT = 0.004  # metres: what is no higher is in nobody's way
 _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
 _AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
@@ -75,7 +76,7 @@ def clear_of(boxes: Sequence[Box], palms: Array, points: Array) -> Array:
     """Of palms (n, 7) those whose hands' points (n, m, 3) are clear of boxes; the clearest where none is."""
     if not boxes:
         return palms
-    gap = np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0)
+    gap = nearest(boxes, points, _FAR)
     return palms[gap > min(_SKIN, float(gap.max()) - _NEARLY)]
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ahmss.algorithm.box import Box
+from ahmss.algorithm.box import Box, nearest
 from ahmss.algorithm.clearing import KEEPS, offs
 from ahmss.algorithm.controls import beside, front_of
 from ahmss.algorithm.place import Transform
@@ -24,7 +24,7 @@ from ahmss.grasping.holding import Holding, opener
 from ahmss.grasping.key_grip import curled
 from ahmss.grasping.precision import precision
 from ahmss.reaching.comfort import discomfort
-from ahmss.reaching.handpoints import hand_points
+from ahmss.reaching.handpoints import own_points, placed_points
 from ahmss.reaching.plan import Reaching
 from ahmss.reaching.pointing import palms_pointing
 from ahmss.reaching.reacher import Reacher, seat
@@ -35,6 +35,8 @@ __all__ = [
 
 _NEARLY = 0.002  # metres: as good as the clearest
 _AWAY = (0.5, 1.0)  # shares of a part's `off` at which it is looked whether they are clear
+_SHARES = np.array([0.0, 0.5, 1.0])  # of its way at which it is
+_MOST = 0.03  # metres: what keeps more is as clear as can be
 _REACHES = 0.3  # metres from the part to what a hand may touch that holds it
 _PLATE = 0.1  # metres of it about a control
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
@@ -95,15 +97,7 @@ def grip_of(task: HumanTask, side: str, part: Part, over: float) -> Grip | None:
     return Grip(side, part.site.then(palm), holding)
 
 
-def _gaps(task: HumanTask, part: Part, grip: Grip, palms: Array, boxes: Sequence[Box]) -> Array:
-    """Metres (n) that hands of palms (n, 7) on the part keep from boxes."""
-    if not boxes:
-        return np.full(len(palms), np.inf)
-    points = _points(task, part, grip, palms)
-    return np.min([box.gap(points).min(axis=-1) for box in boxes], axis=0)
-
-
-def _turned(part: Part, grip: Grip, tilts: Array = _TILTS, rolls: Array = _ROLLS) -> Array:
+def _turned(part: Part, grip: Grip, tilts: Array, rolls: Array) -> Array:
     """Palms (n, 7) that hold the part between the same pads, the hand turned about it: which is easiest is chosen."""
     across = rotate(part.site.rotation, np.array([0.0, 0.0, 1.0]))
     into = rotate(part.site.rotation, np.array([1.0, 0.0, 0.0]))
@@ -124,30 +118,46 @@ def kept_from(task: HumanTask, part: Part) -> list[Box]:
     return [*boxes, Box(thing.frame, low - _PLATE, behind)]
 
 
-def _points(task: HumanTask, part: Part, grip: Grip, palms: Array) -> Array:
-    """Points (n, m, 3) of the hand of palms on the part: open and closed, at both ends of its way and between; and open
-    on the way to it and from it.
+def _gaps_on(task: HumanTask, part: Part, grip: Grip, palms: Array, boxes: Sequence[Box]) -> Array:
+    """Metres (n) that hands of palms (n, 7) on the part keep from boxes, open and closed, at both ends of its way and
+    between; at most `_MOST`.
     """
-    wide, share = open_hand(task, grip.side, grip.holding), np.array([0.0, 0.5, 1.0])
-    on = np.stack([on_part(part, Transform.of(palm), share) for palm in palms], axis=1)
-    points = [hand_points(task.human, grip.side, some, shape) for some in on for shape in (grip.holding.shape, wide)]
-    for away in _AWAY if part.off.any() else ():
-        off = np.concatenate([rotate(part.way(share)[1], away * part.off), np.zeros((3, 4))], axis=-1)
-        points += [hand_points(task.human, grip.side, some + by, wide) for some, by in zip(on, off, strict=True)]
-    return np.concatenate(points, axis=1)
+    on = on_part(part, palms, _SHARES)
+    closed = own_points(task.human, grip.side, grip.holding.shape)
+    return np.minimum(*(_gaps(task, grip, on, own, boxes) for own in (closed, _opened(task, grip))))
+
+
+def _gaps_off(task: HumanTask, part: Part, turned: _Turned, boxes: Sequence[Box]) -> Array:
+    """Metres (n) that open hands keep from boxes which go from the part to where they are set."""
+    off = rotate(part.way(_SHARES)[1], np.array(_AWAY)[:, None, None] * part.off)
+    going = np.tile(on_part(part, turned.palms, _SHARES), (len(_AWAY), 1, 1, 1))
+    going[..., :3] += off[:, :, None]
+    return _gaps(task, turned.grip, going.reshape(-1, *turned.palms.shape), turned.opened, boxes)
+
+
+def _opened(task: HumanTask, grip: Grip) -> Array:
+    """The points (m, 3) of the open hand, in its frame."""
+    return own_points(task.human, grip.side, open_hand(task, grip.side, grip.holding))
+
+
+def _gaps(task: HumanTask, grip: Grip, palms: Array, own: Array, boxes: Sequence[Box]) -> Array:
+    """Metres (n) that hands of points `own` (m, 3) in their frame keep from boxes, of palms (s, n, 7) the nearest."""
+    points = placed_points(task.human, grip.side, palms.reshape(-1, 7), own)
+    return nearest(boxes, points, _MOST).reshape(palms.shape[:2]).min(axis=0)
 
 
 def clearer(task: HumanTask, part: Part, grip: Grip, boxes: Sequence[Box]) -> Grip:
     """The grip, or the same with the fingers in the palm that do nothing where that keeps clearer of boxes."""
-    if _clear(task, part, grip, boxes) > KEEPS:
+    gap = _clear(task, part, grip, boxes)
+    if gap > KEEPS:
         return grip
     alone = replace(grip, holding=curled(Hand.of(task.human, grip.side), grip.holding))
-    return max((grip, alone), key=lambda one: _clear(task, part, one, boxes))
+    return alone if _clear(task, part, alone, boxes) > gap else grip
 
 
 def _clear(task: HumanTask, part: Part, grip: Grip, boxes: Sequence[Box]) -> float:
     """Metres between a hand on the part and boxes, tilted as keeps it farthest from them."""
-    return float(_gaps(task, part, grip, _turned(part, grip), boxes).max())
+    return float(_gaps_on(task, part, grip, _turned(part, grip, _TILTS, _ROLLS), boxes).max())
 
 
 def open_hand(task: HumanTask, side: str, holding: Holding) -> Array:
@@ -182,54 +192,94 @@ def approaches(
     task: HumanTask, part: Part, taken: dict[str, list[Grip]], boxes: Sequence[Box], gaze: Looking
 ) -> Generator[Array, None, list[Approach]]:
     """The ways in which hands may come, the clearest first; only the plainest where nothing is beside."""
-    ways = [_approach(task, replace(part, off=offs(part.site)[0]), taken, boxes, _TILTS, _ROLLS)]
+    plain = _on(task, part, taken, boxes, _TILTS, _ROLLS)
+    ways = [_approach(task, replace(part, off=offs(part.site)[0]), plain, boxes)]
     yield gaze.alone()
-    for off in offs(part.site) if boxes else ():
-        ways.append(_approach(task, replace(part, off=off), taken, boxes, _ALL_TILTS, _ALL_ROLLS))
-        yield gaze.alone()
+    if boxes:
+        turned = _on(task, part, taken, boxes, _ALL_TILTS, _ALL_ROLLS)
+        for off in offs(part.site):
+            ways.append(_approach(task, replace(part, off=off), turned, boxes))
+            yield gaze.alone()
     return sorted(ways, key=lambda way: -min(way.gap, KEEPS))
 
 
-def _approach(
+@dataclass(frozen=True, eq=False)
+class _Turned:
+    """A grip whose palms (n, 7) are turned about the part, the metres (n) that each keeps on it, and the points (m, 3)
+    of the open hand in its frame.
+    """
+
+    grip: Grip
+    palms: Array
+    gaps: Array
+    opened: Array
+
+
+def _on(
     task: HumanTask, part: Part, taken: dict[str, list[Grip]], boxes: Sequence[Box], tilts: Array, rolls: Array
-) -> Approach:
-    """Of palms that hold the part, turned about it so, how clear each is."""
-    palms = {side: [_turned(part, grip, tilts, rolls) for grip in found] for side, found in taken.items()}
-    gaps = {
-        side: np.concatenate(
-            [_gaps(task, part, grip, own, boxes) for grip, own in zip(taken[side], found, strict=True)]
-        )
-        for side, found in palms.items()
-    }
-    return Approach(part, {side: np.concatenate(found) for side, found in palms.items()}, gaps)
+) -> list[_Turned]:
+    """The grips turned about the part so, and how clear each is on it, wherever the hand comes from."""
+    found: list[_Turned] = []
+    for grip in (grip for grips in taken.values() for grip in grips):
+        palms = _turned(part, grip, tilts, rolls)
+        found.append(_Turned(grip, palms, _gaps_on(task, part, grip, palms, boxes), _opened(task, grip)))
+    return found
 
 
-def lasting(reaching: Reaching, way: Approach) -> Approach | None:
+def _approach(task: HumanTask, part: Part, turned: Sequence[_Turned], boxes: Sequence[Box]) -> Approach:
+    """How clear such palms are where the hand comes as the part says."""
+    palms, gaps = dict[str, list[Array]](), dict[str, list[Array]]()
+    for one in turned:
+        palms.setdefault(one.grip.side, []).append(one.palms)
+        off = _gaps_off(task, part, one, boxes)
+        gaps.setdefault(one.grip.side, []).append(np.minimum(one.gaps, off))
+    return Approach(
+        part, {side: np.concatenate(some) for side, some in palms.items()},
+        {side: np.concatenate(some) for side, some in gaps.items()},
+    )  # fmt: skip
+
+
+def lasting(reaching: Reaching, ways: Sequence[Approach], most: int) -> list[Approach]:
+    """Of ways, the clearest first, so many at the most which an arm can go, with the palms that it can, in that order.
+
+    After so many that are as clear as need be no other is asked for.
+    """
+    found: list[Approach] = []
+    for way in ways:
+        if (one := _lasting(reaching, way)) is not None:
+            found.append(one)
+        if sum(one.gap >= KEEPS for one in found) == most:
+            break
+    return sorted(found, key=lambda way: -min(way.gap, KEEPS))[:most]
+
+
+def _lasting(reaching: Reaching, way: Approach) -> Approach | None:
     """The way with those palms which the arm can bring to both ends of the part's way and off it; None: it can none."""
     skeleton, start, part = reaching.skeleton, reaching.start, way.part
     spine = seat(skeleton, start.rotations, start.root)
     palms, gaps = dict[str, Array](), dict[str, Array]()
     for side, own in way.palms.items():
         reacher = Reacher.of(skeleton, side)
-        path = np.stack([_along(part, palm) for palm in own])
-        _, found, _ = discomfort(reacher, path, spine, reaching.present(reacher))
+        _, found, _ = discomfort(reacher, _along(part, own), spine, reaching.present(reacher))
         both = found.all(axis=1)
         if both.any():
             palms[side], gaps[side] = own[both], way.gaps[side][both]
     return replace(way, palms=palms, gaps=gaps) if palms else None
 
 
-def _along(part: Part, palm: Array) -> Array:
-    """Palms (4, 7) of one (7,) on the part: at both ends of its way, on the part and off it."""
+def _along(part: Part, palms: Array) -> Array:
+    """Palms (n, 4, 7) of some (n, 7) on the part: at both ends of its way, on the part and off it."""
     ends = np.array([0.0, 1.0])
-    on = on_part(part, Transform.of(palm), ends)
+    on = on_part(part, palms, ends)
     off = on.copy()
-    off[:, :3] += rotate(part.way(ends)[1], part.off)
-    return np.concatenate([on, off])
+    off[..., :3] += rotate(part.way(ends)[1], part.off)[:, None]
+    return np.concatenate([on, off]).swapaxes(0, 1)
 
 
-def on_part(part: Part, palm: Transform, share: Array) -> Array:
-    """Palms (n, 7) on the part when it has gone such shares (n) of its way."""
+def on_part(part: Part, palms: Array, share: Array) -> Array:
+    """Palms (s, n, 7) of some (n, 7) on the part when it has gone such shares (s) of its way."""
     held, along = part.way(share)
-    places = held + rotate(along, palm.place - part.site.place)
-    return np.concatenate([places, multiply(along, palm.rotation)], axis=-1)
+    places = held[:, None] + rotate(along[:, None], palms[:, :3] - part.site.place)
+    return np.concatenate(
+        [places, multiply(along[:, None], np.broadcast_to(palms[:, 3:], (*places.shape[:2], 4)))], axis=-1
+    )

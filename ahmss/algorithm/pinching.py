@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm.box import Box
-from ahmss.algorithm.clearing import KEEPS, gap_of, refuse_touching
+from ahmss.algorithm.clearing import gap_of, refuse_touching
 from ahmss.algorithm.controls import beside, in_the_way, stood_before
 from ahmss.algorithm.part_ways import (
     Approach,
@@ -83,8 +83,7 @@ def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[
     goal = Goal(part.site.place, palms=ways[0].clear)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    last = [one for way in ways if (one := lasting(reaching, way)) is not None]
-    ways = sorted(last, key=lambda way: -min(way.gap, KEEPS))[:_MOST_WAYS] or ways[:1]
+    ways = lasting(reaching, ways, _MOST_WAYS) or ways[:1]
     best: _Tried | None = None
     refused: AlgorithmError | None = None
     one = None
@@ -233,6 +232,6 @@ def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
     back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
     way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
     closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
-    palms = on_part(part, part.palm(set_at), way)
+    palms = on_part(part, part.palm(set_at).row()[None], way)[:, 0]
     palms[:, :3] += back[:, None] * rotate(part.way(way)[1], part.off)
     return palms, closed
