@@ -156,7 +156,8 @@ def _planned(
         AlgorithmError: the keyboard is out of reach; says by how much.
     """
     assert task.site is not None
-    reaching, prisms = Reaching(task.human, task.start.rotations, task.start.root), prisms_of(task)
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    prisms = [replace(prism, sought=False) for prism in prisms_of(task)]  # fingers come over the keys, not through them
     above = Transform(task.site.place + ABOVE * _up(task.site), task.site.rotation)
     between: dict[str, Between] = {}
     for side, hand in hands.items():
