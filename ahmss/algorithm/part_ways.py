@@ -10,6 +10,7 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.algorithm.box import Box, nearest
 from ahmss.algorithm.clearing import KEEPS, offs
@@ -240,40 +241,33 @@ def _approach(task: HumanTask, part: Part, turned: Sequence[_Turned], boxes: Seq
 
 
 def lasting(reaching: Reaching, ways: Sequence[Approach], most: int) -> list[Approach]:
-    """Of ways, the clearest first, so many at the most which an arm can go, with the palms that it can, in that order.
-
-    After so many that are as clear as need be no other is asked for.
-    """
+    """Of ways, the clearest first, so many at the most with those palms which an arm can bring along them."""
+    brought = {side: _brought(reaching, ways, side) for side in ways[0].palms}
     found: list[Approach] = []
-    for way in ways:
-        if (one := _lasting(reaching, way)) is not None:
-            found.append(one)
-        if sum(one.gap >= KEEPS for one in found) == most:
-            break
+    for number, way in enumerate(ways):
+        can = {side: some[number] for side, some in brought.items() if some[number].any()}
+        palms, gaps = ({side: own[side][some] for side, some in can.items()} for own in (way.palms, way.gaps))
+        if can:
+            found.append(replace(way, palms=palms, gaps=gaps))
     return sorted(found, key=lambda way: -min(way.gap, KEEPS))[:most]
 
 
-def _lasting(reaching: Reaching, way: Approach) -> Approach | None:
-    """The way with those palms which the arm can bring to both ends of the part's way and off it; None: it can none."""
-    skeleton, start, part = reaching.skeleton, reaching.start, way.part
-    spine = seat(skeleton, start.rotations, start.root)
-    palms, gaps = dict[str, Array](), dict[str, Array]()
-    for side, own in way.palms.items():
-        reacher = Reacher.of(skeleton, side)
-        _, found, _ = discomfort(reacher, _along(part, own), spine, reaching.present(reacher))
-        both = found.all(axis=1)
-        if both.any():
-            palms[side], gaps[side] = own[both], way.gaps[side][both]
-    return replace(way, palms=palms, gaps=gaps) if palms else None
+def _brought(reaching: Reaching, ways: Sequence[Approach], side: str) -> list[NDArray[np.bool_]]:
+    """Which palms of each way an arm can bring to both ends of the part's way, on it and off it.
 
-
-def _along(part: Part, palms: Array) -> Array:
-    """Palms (n, 4, 7) of some (n, 7) on the part: at both ends of its way, on the part and off it."""
-    ends = np.array([0.0, 1.0])
+    The ways have palms in common, which are on the part alike.
+    """
+    reacher, ends = Reacher.of(reaching.skeleton, side), np.array([0.0, 1.0])
+    spine, present = seat(reaching.skeleton, reaching.start.rotations, reaching.start.root), reaching.present(reacher)
+    part, counts = ways[0].part, [len(way.palms[side]) for way in ways]
+    palms, same = np.unique(np.concatenate([way.palms[side] for way in ways]), axis=0, return_inverse=True)
     on = on_part(part, palms, ends)
-    off = on.copy()
-    off[..., :3] += rotate(part.way(ends)[1], part.off)[:, None]
-    return np.concatenate([on, off]).swapaxes(0, 1)
+    can = discomfort(reacher, on, spine, present)[1].all(axis=0)[same]
+    off = on[:, same[can]]
+    away = np.repeat([way.part.off for way in ways], counts, axis=0)[can]
+    off[..., :3] += rotate(part.way(ends)[1][:, None], away)
+    can[can] = discomfort(reacher, off, spine, present)[1].all(axis=0)
+    return np.split(can, np.cumsum(counts)[:-1])
 
 
 def on_part(part: Part, palms: Array, share: Array) -> Array:
