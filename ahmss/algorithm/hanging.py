@@ -65,7 +65,7 @@ class Hanging:
             in_the_way = [
                 prism
                 for prism, beside in zip(prisms, under, strict=True)
-                if beside[k] and clearance([prism], points[k] + self._aside.moved).min() > -_DEEP
+                if beside[k] and clearance([prism], points[k] + self._aside.moved, 0.0).min() > -_DEEP
             ]
             moved = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
             rotations[k, self._reacher.links] = with_hand_moved(self._reacher, rotations[k], root[k], moved)
