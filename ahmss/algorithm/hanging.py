@@ -24,6 +24,7 @@ _AHEAD = (0, 4, 8, 12, 16)  # frames that are looked at
 _AIR = 0.010  # metres of air that are kept: a hand that hangs has a hip beside it
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
 _MOVES = 0.15  # metres aside that a hand may come: what is farther off is not looked at
+_FAR = 0.3  # metres aside beyond which nothing is in the way in a single frame
 _ALL = 0.04  # metres aside at which it counts in full
 
 
@@ -62,15 +63,22 @@ class Hanging:
             ahead = k + np.array(_AHEAD)
             if self.still and gap[ahead].min() > 0.0:
                 continue
+            low, high = points[ahead].min(axis=(0, 1)) - room - _FAR, points[ahead].max(axis=(0, 1)) + room + _FAR
+            own = points[k] + self._aside.moved
             in_the_way = [
                 prism
                 for prism, beside in zip(prisms, under, strict=True)
-                if beside[k] and clearance([prism], points[k] + self._aside.moved, 0.0).min() > -_DEEP
+                if beside[k] and prism.meets(low, high) and not _deep_in(prism, own)
             ]
             moved = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
             rotations[k, self._reacher.links] = with_hand_moved(self._reacher, rotations[k], root[k], moved)
             shares[k] = min(float(np.linalg.norm(moved)) / _ALL, 1.0)
         return shares
+
+
+def _deep_in(prism: Prism, points: Array) -> bool:
+    """Whether one of points (m, 3) is so deep in a thing that it is not in their way."""
+    return prism.meets(points.min(axis=0), points.max(axis=0)) and clearance([prism], points, 0.0).min() <= -_DEEP
 
 
 def _gone_on(points: Array) -> Array:

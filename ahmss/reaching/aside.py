@@ -92,7 +92,13 @@ def kept_aside(prisms: Sequence[Prism], points: Array, radii: Array) -> Array:
 
 def nearest(prisms: Sequence[Prism], point: Array) -> Prism:
     """Of prisms the one that a point (3,) is nearest to, or deepest in."""
-    return min(prisms, key=lambda prism: float(prism.signed(point)))
+    away = [float(prism.at_least(point[None])[0]) for prism in prisms]
+    least = (np.inf, 0)
+    for i in np.argsort(away, kind="stable").tolist():
+        if away[i] > least[0]:  # the others are farther
+            break
+        least = min(least, (float(prisms[i].signed(point)), i))
+    return prisms[least[1]]
 
 
 def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array) -> Array:
