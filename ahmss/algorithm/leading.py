@@ -1,7 +1,9 @@
 """What a hand that holds a part of an object does with it: it is caught where fingers close near it, and goes along.
 
-A fist holds it in the palm, a pinch between thumb and index: whichever is nearer when it is caught leads it. When the
-hand opens, or leaves it by more than a threshold, it stays. What the shipped object algorithms of parts share.
+A fist holds it in the palm, a pinch between thumb and index: whichever is nearer when it is caught leads it. A fist is
+closed when its fingers are bent, a pinch when thumb and index finger have come together since they came near, however
+bent a hand at ease has the others. When the hand opens, or leaves it by more than a threshold, it stays. What the
+shipped object algorithms of parts share.
 """
 
 from __future__ import annotations
@@ -19,6 +21,9 @@ __all__ = ["led"]
 
 _FINGERS = ("index", "middle", "ring", "little")
 _BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
+_PINCHED = 0.8  # of the opening that thumb and index finger came with: so near to each other they have closed
+_STILL, _OPENED = 0.001, 0.003  # metres that they go in a frame when they have closed, and apart when they let go
+_PALM = 0  # of the two points of a hand that may lead
 
 
 def led(
@@ -36,26 +41,67 @@ def led(
     """
     sides = (task.hand,) if task.hand else ("right", "left")
     threshold, closed = task.parameter("threshold", 0.05), task.parameter("closed_hand", 85.0)
+    hands = {side: _Fingers(_bent(task.start, side)) for side in sides}
     leads: tuple[str, int] | None = None  # a hand, and its palm or pinch
     brought = way
-    before, bent = task.object.frame, {side: _bent(task.start, side) for side in sides}
+    before = task.object.frame
     for human in task.frames():
         points = {side: _points(task, human, side) for side in sides}
-        side, apart = _nearest(points, at(way))
-        now = {hand: _bent(human, hand) for hand in sides}
-        bends, bent = abs(now[side] - bent[side]) > _BENDS, now  # while they close and open, fingertips go a long way
-        if bends or apart.min() > threshold or now[side] < closed:
-            if leads is not None:
-                way = settled(way)
-            leads = None
-        elif leads is None:
-            leads, brought = (side, int(apart.argmin())), way
-            before = _leader(task, human, leads, points)
+        for side, hand in hands.items():
+            apart = np.linalg.norm(points[side] - at(way), axis=1)
+            hand.seen(_bent(human, side), _opening(task, side), near=bool(apart.min() <= threshold))
+        if leads is not None:
+            apart = float(np.linalg.norm(points[leads[0]] - at(way), axis=1).min())
+            if apart > threshold or not hands[leads[0]].holds(leads[1], closed):
+                way, leads = settled(way), None
+            else:
+                leader = _leader(task, human, leads, points)
+                brought += gone(before, leader)
+                way, before = float(np.clip(brought, *limits)), leader
         else:
-            leader = _leader(task, human, leads, points)
-            brought += gone(before, leader)
-            way, before = float(np.clip(brought, *limits)), leader
+            side, found = _nearest(points, at(way))
+            which = int(found.argmin())
+            if found.min() <= threshold and hands[side].closes(which, closed):
+                leads, brought = (side, which), way
+                before = _leader(task, human, leads, points)
         yield way
+
+
+class _Fingers:
+    """Whether a hand is closed: how bent its fingers are, and how far thumb and index finger are from each other."""
+
+    def __init__(self, bent: float) -> None:
+        self._bent, self._bends = bent, 0.0  # degrees, and by how many more than in the frame before
+        self._opening: float | None = None  # metres
+        self._goes = 0.0  # metres that it became in this frame
+        self._widest = 0.0  # since the hand came near, or let go
+        self._caught = 0.0  # when it took hold
+
+    def seen(self, bent: float, opening: float, *, near: bool) -> None:
+        self._bends, self._bent = abs(bent - self._bent), bent
+        self._goes = 0.0 if self._opening is None else abs(opening - self._opening)
+        self._opening = opening
+        self._widest = max(self._widest, opening) if near else opening
+
+    def closes(self, which: int, bent: float) -> bool:
+        """Whether it takes hold now, in the palm or between thumb and index finger."""
+        assert self._opening is not None
+        if which != _PALM and (self._opening > _PINCHED * self._widest or self._goes > _STILL):
+            return False
+        self._caught = self._opening
+        return which != _PALM or self._fist(bent)
+
+    def holds(self, which: int, bent: float) -> bool:
+        """Whether it still does; where it does not, it has to close again."""
+        assert self._opening is not None
+        still = self._fist(bent) if which == _PALM else self._opening <= self._caught + _OPENED
+        if not still:
+            self._widest = self._opening
+        return still
+
+    def _fist(self, bent: float) -> bool:
+        """While fingers close and open, their tips go a long way."""
+        return self._bent >= bent and self._bends <= _BENDS
 
 
 def _leader(task: ObjectTask, human: HumanFrame, leads: tuple[str, int], points: dict[str, Array]) -> Transform:
@@ -75,6 +121,11 @@ def _points(task: ObjectTask, human: HumanFrame, side: str) -> Array:
     """The palm and the middle between the tips of thumb and index (2, 3), in the object's frame."""
     pinch = 0.5 * (task.fingertip(side, "thumb") + task.fingertip(side, "index"))
     return task.object.frame.inverse().apply(np.array([human.grip(side).place, pinch]))
+
+
+def _opening(task: ObjectTask, side: str) -> float:
+    """How far the tips of thumb and index finger are from each other, metres."""
+    return float(np.linalg.norm(task.fingertip(side, "thumb") - task.fingertip(side, "index")))
 
 
 def _bent(human: HumanFrame, side: str) -> float:
