@@ -30,9 +30,9 @@ from ahmss.algorithm.reaching import Looking, performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips
+from ahmss.body.inverse import LEFT_HAND, RIGHT_HAND, grips
 from ahmss.body.links import fingers
-from ahmss.body.quaternion import rotate, slerp
+from ahmss.body.quaternion import IDENTITY, conjugate, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding
@@ -51,6 +51,7 @@ _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
 _MOST_WAYS = 3  # that are tried
 _GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
+_HANDS = slice(RIGHT_HAND, LEFT_HAND + 1)
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 
 
@@ -210,16 +211,19 @@ def rows_made(task: HumanTask, made: Performed) -> Array:
 def gone_back(task: HumanTask, made: Performed, length: int, arm: slice) -> Array:
     """Frames (n, 260) in which all goes back the way that it came in the first so many, which is clear of things.
 
-    The elbow may have come to another place meanwhile: the arm goes over from there.
+    Elbow and palm may have come to another place meanwhile, as a wrist at its limit does: the arm goes over from there.
     """
-    rows = rows_made(task, made)[:length][::-1]
-    rotations = made.rotations[:length][::-1].copy()
+    rotations, targets = made.rotations[:length][::-1].copy(), made.targets[:length][::-1].copy()
     share = minimum_jerk(np.arange(1, length + 1) / _GOES_OVER)[:, None]
     rotations[:, arm] = slerp(
         np.broadcast_to(made.rotations[-1, arm], rotations[:, arm].shape), rotations[:, arm], share
     )
-    rows[:, 4:176] = rotations.reshape(length, 172)
-    return rows
+    for was, gone in zip(made.targets[-1, _HANDS], targets[:, _HANDS].swapaxes(0, 1), strict=True):
+        if was[7] > 0.0 and gone[0, 7] > 0.0:
+            gone[:, :3] += (1.0 - share) * (was[:3] - gone[0, :3])
+            off = multiply(was[3:7], conjugate(gone[0, 3:7]))
+            gone[:, 3:7] = multiply(slerp(np.tile(off, (length, 1)), IDENTITY, share[:, 0]), gone[:, 3:7])
+    return task.block(rotations, made.root[:length][::-1], made.importance[:length][::-1], targets)
 
 
 def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from ahmss.algorithm import HumanTask, Transform, frames
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import front_of
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.errors import AlgorithmError
 from ahmss.walking import trip
@@ -50,6 +51,12 @@ def moved(
     return done, told
 
 
+def worst_turn(done: Used) -> float:
+    """Degrees that a link of an arm turns in a frame at the most."""
+    turns = np.array([pose.rotations for pose in done.shown])[:, INDEX["right_upper_arm"] : INDEX["left_hand"] + 1]
+    return float(np.degrees(2.0 * np.arccos(np.clip(np.abs((turns[1:] * turns[:-1]).sum(axis=-1)), 0.0, 1.0))).max())
+
+
 COVER = {"part": "cover", "state": "cover_turn"}
 AFFORDED: dict[str, dict[str, Any]] = {"slide": {}, "turn": {"along": 0.6}, "open": COVER, "close": COVER}
 
@@ -83,7 +90,8 @@ def test_the_knob_goes_with_the_hand_to_where_it_was_said(name: str, slope: floa
 def test_what_turns_comes_to_its_position(
     kind: str, action: str, state: str, begins: float, ends: float, position: str
 ) -> None:
-    _, told = moved(kind, action, {state: begins}, 75.0, "ken", position=position)
+    done, told = moved(kind, action, {state: begins}, 75.0, "ken", position=position)
+    assert worst_turn(done) < 8.0  # also where a wrist at its limit turns back
     angles = [states[state] for states in told]
     assert angles[0] == begins
     assert angles[-1] == pytest.approx(ends, abs=1e-3)
