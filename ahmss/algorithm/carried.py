@@ -75,7 +75,7 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         last = task.present.root.copy()
         root = last + on  # about where it will be carried by this frame
         ahead = _SLOWER * (task.length - k) * on * _LEVEL if task.length else nearing.ahead
-        near = things.about(root, carried.palm[:3])
+        near = things.about(root, carried.palm[:3], sought=True)
         made, target, spine = carried.step(rotations, root, time, ahead, near, settles=task.length > 0)
         nearing.nearest = min(nearing.nearest, carried.short)
         over = carried.let_go and not task.length

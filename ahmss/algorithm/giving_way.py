@@ -105,15 +105,19 @@ class Things:
         self._known: dict[int, tuple[Array, Array]] = {}
         self._prisms: list[Prism] = []
 
-    def about(self, root: Array, *places: Array) -> list[Prism]:
-        """The prisms near the hips (3,), but those that these are over or that hold one of some places (3,)."""
+    def about(self, root: Array, *places: Array, sought: bool = False) -> list[Prism]:
+        """The prisms near the hips (3,), but those that these are over or that hold one of some places (3,).
+
+        sought: whether with the object's own, which a hand that takes it comes close to.
+        """
         now = {thing.id: (thing.place, thing.rotation) for thing in self._task.world.values() if thing.kind != "human"}
         if now.keys() != self._known.keys() or any(
             (now[i][0] != self._known[i][0]).any() or (now[i][1] != self._known[i][1]).any() for i in now
         ):
             self._known = {i: (place.copy(), rotation.copy()) for i, (place, rotation) in now.items()}
-            self._prisms = [prism for prism in prisms_of(self._task) if not prism.sought]
-        return [p for p in self._prisms if _within(p, root) and not _holds(p, root, places)]
+            self._prisms = prisms_of(self._task)
+        near = [p for p in self._prisms if sought or not p.sought]
+        return [p for p in near if _within(p, root) and not _holds(p, root, places)]
 
 
 def _holds(prism: Prism, root: Array, places: Sequence[Array]) -> bool:

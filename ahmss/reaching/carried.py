@@ -22,7 +22,7 @@ from ahmss.motion.edit import floor_frame
 from ahmss.reaching.aside import AIR, nearest
 from ahmss.reaching.comfort import across, discomfort
 from ahmss.reaching.goal import Goal, palms_of
-from ahmss.reaching.path import lifted
+from ahmss.reaching.led import Led
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.skin import hand_skin
@@ -33,10 +33,7 @@ __all__ = ["Carried"]
 
 _SPINE = INDEX["spine"]
 _NEAR = 0.85  # of the arm's length: how near the body is taken to be carried
-_RISE, _LAST = (0.14, 0.24, 0.34, 0.44, 0.54), 0.1  # metres by which the palm is lifted after the start, before the end
-_RISES, _FALLS, _SOON = 0.012, 0.002, 0.002  # by which the first grows and falls in a frame at the most, and how soon
-_RISES_BY, _CLEAR = 0.6, 0.015  # share of the time until which it changes; metres of air that it is to leave
-_SEEN_TO, _LOOKS, _SOME = 0.85, 8, 3  # until when a way is looked at, how often, and every which point of a hand
+_LED_BY = 0.6  # share of the time until which the way changes for things
 _FULL = np.radians(8.0)  # of help from the waist, at which the spine is the reach's
 _BETTER = 0.25  # by which another palm must be easier than the one that is gone for: the two do not take turns
 _STEP = np.radians(1.0)  # by which the palm at the end is chosen anew from frame to frame
@@ -95,7 +92,7 @@ class Carried:
         then = (rotations, root) if before is None else before
         self._drift = (self._on_body - _on_body(self.reacher, *then))[:3]
         links = self.reacher.arm.from_pose(then[0][self.reacher.links])
-        self._aside, self._speed, self._rise, self._rising = np.zeros(3), np.zeros(3), _RISE[0], 0.0
+        self._aside, self._speed, self._led = np.zeros(3), np.zeros(3), Led()
         self._tracking, self.short = Tracking(self.reacher, self._begun, links), 0.0
         self._waist, self._bends = self._spine, np.zeros(3)
         self._chest = seat(skeleton, *then)[1]
@@ -152,34 +149,16 @@ class Carried:
         out[_SPINE] = bent
         if time < _SETTLED or not settles:
             self._end_from(out, root)
-        if near and time < _RISES_BY:
-            gain = np.clip(self._rise_over(near, out, root, start, time) - self._rise, -_FALLS, _RISES) - self._rising
-            self._rising += float(np.clip(gain, -_SOON, _SOON))
-            self._rise = max(self._rise + self._rising, _RISE[0])
-        wanted = lifted(start, self.palm, self._rise, _LAST).at(np.array([time]))[0]
+        if near and time < _LED_BY:
+            self._led.step(near, self._hand_in(out, root), start, self.palm, time)
+        near = [prism for prism in near if not prism.sought]  # fingers come close to that
+        wanted = self._led.at(start, self.palm, time)
         wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
         palm = self._tracking.step(wanted, spine, time, near)
         palm[:3] += self._aside_by(self._out_of(near, rotations, root, palm) if near else np.zeros(3))
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
         out[reacher.links] = reacher.arm.into_pose(self._tracking.links)
         return out, np.append(palm, 1.0 - left), _importance(share)
-
-    def _rise_over(self, near: Sequence[Prism], rotations: Array, root: Array, start: Array, time: float) -> float:
-        """Metres by which the palm is to be lifted after the start (7,), for the hand to go over things, not into them.
-
-        The least that does; where none does, that with which it is the least deep.
-        """
-        points, radii = self._hand_in(rotations, root)
-        points, radii = points[::_SOME], radii[::_SOME]
-        there = self.palm[:3] + rotate(self.palm[3:], points)
-        times = np.linspace(time, _SEEN_TO, _LOOKS)
-        ways = np.stack([lifted(start, self.palm, rise, _LAST).at(times) for rise in _RISE])
-        on_way = ways[..., None, :3] + rotate(ways[..., None, 3:], points)
-        most = _CLEAR + float(radii.max())
-        least = min(float((clearance(near, there, most) - radii).min()), _CLEAR)
-        gaps = (clearance(near, on_way, most) - radii).min(axis=(1, 2))
-        clear = np.flatnonzero(gaps >= least)
-        return _RISE[int(clear[0]) if len(clear) else int(gaps.argmax())]
 
     def _hand_in(self, rotations: Array, root: Array) -> tuple[Array, Array]:
         """Points (n, 3) and radii (n,) of the hand as its palm sees them, with the fingers of a pose."""

@@ -20,7 +20,7 @@ from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import MARGIN, gaps
 from ahmss.reaching.steps import Steps
 
-__all__ = ["Curve", "clear_curves", "curves", "lifted"]
+__all__ = ["Curve", "clear_curves", "curves", "lifted", "sampled"]
 
 TURNED_BY = 0.62
 """The share of the time by which the hand has its orientation: by then three quarters of the way are done."""
@@ -80,16 +80,19 @@ def curves(start: Array, end: Array, ahead: float) -> list[Curve]:
     return [lifted(start, end, first, last, by * back) for by in _BACK for first in _FIRST for last in _LAST]
 
 
-def lifted(start: Array, end: Array, first: float, last: float, back: Array | None = None) -> Curve:
+def lifted(
+    start: Array, end: Array, first: float, last: float, back: Array | None = None, *, out: float = 0.0
+) -> Curve:
     """The curve between two palms (7,) that rises by so many metres after the start, and comes down by so many.
 
-    back: (3,) where it goes first, metres, in place of towards the end.
+    back: (3,) where it goes first, metres, in place of towards the end. out: by how many metres more than else it is
+    led out in front of the end, to arrive along the palm's x.
     """
     a, b = start[:3], end[:3]
     distance = float(np.linalg.norm(b - a))
     into = rotate(end[3:7], np.array([1.0, 0.0, 0.0]))
     leave = (b - a) / 3.0 if back is None or not back.any() else back
-    arrive = (a - b) / 3.0 - min(_INTO, 0.25 * distance) * into
+    arrive = (a - b) / 3.0 - (min(_INTO, 0.25 * distance) + out) * into
     shrink = min(1.0, distance / _NO_LOOP)  # a hand that is there already makes no loop
     points = np.stack([a, a + shrink * (leave + first * _UP), b + shrink * (arrive + last * _UP), b])
     return Curve(points, start[3:7], end[3:7])
@@ -108,7 +111,7 @@ def clear_curves(
         prisms: what is to be kept clear of.
     """
     time = np.linspace(0.0, 1.0, _SAMPLES)
-    places, lengths = _sampled(np.stack([curve.points for curve in family]), time)
+    places, lengths = sampled(np.stack([curve.points for curve in family]), time)
     rising = np.argsort(lengths)
     costs = lengths.copy()  # of those that are not looked at what they cost at least
     turned, least = family[0].turned(time), np.inf
@@ -144,7 +147,7 @@ def _nearness(between: Array, time: Array) -> Array:
     return (_CLOSE * near**2 + _INSIDE * deep**2).mean(axis=1).sum(axis=-1)
 
 
-def _sampled(points: Array, time: Array) -> tuple[Array, Array]:
+def sampled(points: Array, time: Array) -> tuple[Array, Array]:
     """Places (m, n, 3) of curves (m, 4, 3) at shares of the time (n), to a millimetre or two, and their lengths (m)."""
     fine = _weights(_EVENLY) @ points
     passed = np.cumsum(np.maximum(np.linalg.norm(np.diff(fine, axis=1), axis=-1), _TINY), axis=-1)
