@@ -31,7 +31,10 @@ class Depth:
 
 
 def in_things(acted: Acted, workspace: Workspace) -> Depth:
-    """How deep the skin is in things that have an inside; looked at in every third frame, which counts for three."""
+    """How deep the skin is in things that have an inside; looked at in every third frame, which counts for three.
+
+    A round thing that nobody has, a cup, counts as filled.
+    """
     skin = Skin.read(workspace.humans.shape(acted.body).glb)
     solids, link = Solids(workspace), skin.link
     frames = len(acted.root)
@@ -44,6 +47,8 @@ def in_things(acted: Acted, workspace: Workspace) -> Depth:
             if np.isnan(pose[0]) or not _may_meet(solids, seen.kind, pose, low, high):
                 continue
             depth = solids.depth(seen.kind, pose, seen.states[frame], points)
+            if not seen.holders[frame]:  # fingers come round what they take
+                depth = np.maximum(depth, solids.filled(seen.kind, pose, points))
             worst = int(depth.argmax())
             if depth[worst] > deepest[frame]:
                 deepest[frame], thing[frame], part[frame] = depth[worst], name, LINKS[link[worst]]

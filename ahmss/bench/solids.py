@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, rotate
@@ -48,6 +49,7 @@ class Solids:
         self._workspace = workspace
         self._parts: dict[str, list[Solid]] = {}
         self._fields: dict[tuple[str, str], Field] = {}
+        self._hulls: dict[str, Array | None] = {}
 
     def depth(self, kind: str, pose: Array, states: Mapping[str, object], points: Array) -> Array:
         """How deep points (n, 3) of the world are in an object (7,) of a kind, metres, 0 outside."""
@@ -64,6 +66,26 @@ class Solids:
             if len(near):
                 deep[near] = np.maximum(deep[near], -self._field(kind, solid).clearance(at[near]))
         return np.maximum(deep, 0.0)
+
+    def filled(self, kind: str, pose: Array, points: Array) -> Array:
+        """How deep points (n, 3) of the world are in a round thing (7,) taken as filled, its convex hull; 0 outside.
+
+        A cup is thin: what is through its wall, or within, is never deep in that. Of what is not round, which hands
+        may be in (a basin, a shelf), 0.
+        """
+        hull = self._hull(kind)
+        if hull is None:
+            return np.zeros(len(points))
+        inner = rotate(conjugate(pose[3:]), points - pose[:3])
+        return np.maximum(-(inner @ hull[:, :3].T + hull[:, 3]).max(axis=-1), 0.0)
+
+    def _hull(self, kind: str) -> Array | None:
+        """The planes (m, 4) of a round thing's convex hull, outward normals and offsets; None for other things."""
+        if kind not in self._hulls:
+            parts = self.parts(kind) if "diameter" in self._workspace.objects.get(kind).properties else []
+            corners = np.concatenate([solid.triangles.reshape(-1, 3) for solid in parts]) if parts else None
+            self._hulls[kind] = None if corners is None else np.asarray(ConvexHull(corners).equations)
+        return self._hulls[kind]
 
     def parts(self, kind: str) -> list[Solid]:
         """The parts of a kind that have an inside."""

@@ -165,6 +165,25 @@ def test_a_hand_in_a_table_is_seen() -> None:
     assert inside.deepest[0] == inside.deepest[5]
 
 
+def test_a_hand_between_the_walls_of_a_cup_is_in_it_while_nobody_has_it() -> None:
+    still = standing(6)
+    workspace = Workspace.find(ROOT)
+    palm = palms(still)[0, 0, :3]
+    around = placed(still, "cup", (float(palm[0]), float(palm[1]), float(palm[2]) - 0.05))
+    taken = replace(around.things["cup"], holders=("ken",) * 6)
+    free, held = in_things(around, workspace), in_things(replace(around, things={"cup": taken}), workspace)
+    assert free.thing[0] == "cup"
+    assert 0.01 < free.deepest.max() < 0.04
+    assert held.deepest.max() < 0.005  # no deeper than its bottom is thick
+
+
+def test_a_thing_that_hands_may_be_in_is_not_filled() -> None:
+    solids, still = Solids(Workspace.find(ROOT)), np.array([1.0, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    middle = np.array([[1.0, 2.0, 0.05], [1.0, 2.03, 0.05], [1.0, 2.04, 0.05]])
+    assert solids.filled("cup", still, middle) == pytest.approx([0.036, 0.006, 0.0], abs=1e-3)
+    assert solids.filled("chair", still, middle + np.array([0.0, 0.0, 0.3])).max() == 0.0
+
+
 def test_a_part_is_met_where_its_states_have_it() -> None:
     solids, still = Solids(Workspace.find(ROOT)), np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     lever = np.array([0.07, 0.0, 0.243])  # in the tap's lever while it is shut

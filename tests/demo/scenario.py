@@ -47,13 +47,18 @@ def states_of(path: Path, names: Iterable[str]) -> Mapping[str, list[Mapping[str
     return found
 
 
-def met(path: Path, human: str, workspace: Path, every: int, least: float = 0.003) -> list[Met]:
-    """Where the skin of a human is in a thing by more than `least` metres, deepest first; every so many frames."""
+def met(
+    path: Path, human: str, workspace: Path, every: int, least: float = 0.003, ticks: range | None = None
+) -> list[Met]:
+    """Where the skin of a human is in a thing by more than `least` metres, deepest first; every so many frames.
+
+    A round thing that nobody has counts as filled. ticks: those that are looked at; left out: all.
+    """
     kinds = Workspace(workspace)
     skin, solids, world = Skin.read(kinds.humans.shape(human).glb), Solids(kinds), World()
     skeleton, found = kinds.humans.get(human).skeleton, list[Met]()
     with Reader(path) as reader:
-        for tick in range(0, len(reader), every):
+        for tick in ticks or range(0, len(reader), every):
             reader.show(tick, world)
             if human not in world.humans or not world.objects:
                 continue
@@ -64,6 +69,8 @@ def met(path: Path, human: str, workspace: Path, every: int, least: float = 0.00
                 if np.linalg.norm(pose[:2] - root[:2]) > NEAR:
                     continue
                 depth = solids.depth(record.kind, pose, record.states, points)
+                if not record.holder:
+                    depth = np.maximum(depth, solids.filled(record.kind, pose, points))
                 if depth.max() > least:
                     found.append(Met(float(depth.max()), name, LINKS[skin.link[depth.argmax()]], tick))
     return sorted(found, key=lambda one: -one.depth)

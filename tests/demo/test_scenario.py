@@ -30,6 +30,7 @@ MOST_POP = 7.0  # degrees; 14 to 33 in straight walks of real capture
 # Metres: skin that gives way where a hand holds and where one sits; no limb is deeper in anything than THROUGH, no leg
 # or foot than LEGS.
 TOUCHES, SITS, THROUGH, LEGS = 0.008, 0.010, 0.008, 0.004
+COMES = 0.002  # metres: no finger is deeper in the cup, taken as filled, before the hand begins to close on it
 CARRIES = 0.002  # metres: the arm that holds the cup is no deeper in anything but the cup
 # There one stands squeezed between the table's edge and the doorway: the arm that hangs is as deep in its frame.
 SQUEEZED = {"table turned": 0.018}
@@ -126,6 +127,14 @@ def nothing_is_gone_through(scenario: Scenario, workspace: Path = ROOT, every: i
     assert not trunk or trunk[0].depth < TOUCHES, trunk[:5]
 
 
+def fingers_come_round_the_cup(scenario: Scenario, workspace: Path = ROOT) -> None:
+    """In the two seconds before the hand begins to close on it, no finger is in the cup or between its walls."""
+    taken = first(np.array([holder != "" for holder in scenario.played.holders[scenario.cup]]))
+    before = range(taken - 120, taken)
+    for one in met(scenario.path, scenario.human, workspace, 1, COMES, before):
+        assert one.thing != scenario.cup, one
+
+
 def it_moves_as_people_do(scenario: Scenario) -> None:
     played = scenario.played
     joints, pop = joint_motion(played.rotations, played.rate), worst_pop(played.rotations)
@@ -181,6 +190,10 @@ def test_nothing_is_gone_through(scenario: Scenario) -> None:
     nothing_is_gone_through(scenario)
 
 
+def test_fingers_come_round_the_cup_that_they_take(scenario: Scenario) -> None:
+    fingers_come_round_the_cup(scenario)
+
+
 def test_it_moves_as_people_do_and_no_foot_slides(scenario: Scenario) -> None:
     it_moves_as_people_do(scenario)
 
@@ -190,6 +203,7 @@ def works_elsewhere(change: Varied, record: Path, most: float) -> None:
     play(change.script, record, change.workspace)
     scenario = Scenario.read(record, change.human, change.cup, change.chair)
     hand_holds_the_cup(scenario)
+    fingers_come_round_the_cup(scenario, change.workspace)
     it_moves_as_people_do(scenario)
     assert scenario.played.root[-1, 2] < 0.6  # it sits
     assert scenario.speed[scenario.from_lips < 0.08].max() > 0.3  # and drank while walking
