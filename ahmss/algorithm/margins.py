@@ -46,8 +46,11 @@ class Margin:
         return again(task, **(fields | {"object": thing, "site": _NAME}))
 
 
-def margins(task: HumanTask, side: str) -> Sequence[Margin]:
-    """The margins of the task's object but the one where its site is; none of what is not flat, or has no such site."""
+def margins(task: HumanTask, side: str, aslant: float = 0.0) -> Sequence[Margin]:
+    """The margins of the task's object but the one where its site is; none of what is not flat, or has no such site.
+
+    aslant: radians by which the hand comes from aside of square to the margin, as a wrist may need it.
+    """
     thing = task.object
     if thing is None or thing.shape is None or "size" not in thing.properties:
         return []
@@ -63,21 +66,21 @@ def margins(task: HumanTask, side: str) -> Sequence[Margin]:
         way = rotate(q, out).round()
         place = way * (np.append(half, 0.0) - inset) + at[2] * _Z
         made = SiteRecord(tuple(place.tolist()), tuple(multiply(q, np.array(site.rotation)).tolist()), "", "precision")  # type: ignore[arg-type]
-        palms = _palms(task, side, made)
+        palms = _palms(task, side, made, aslant)
         if len(palms):
             found.append(Margin(made, palms))
     return found
 
 
-def _palms(task: HumanTask, side: str, site: SiteRecord) -> Array:
+def _palms(task: HumanTask, side: str, site: SiteRecord, aslant: float) -> Array:
     """Palms (n, 7) in the world that hold the object at a site."""
     thing = task.object
     assert thing is not None
     assert thing.shape is not None
-    local = Transform(np.array(site.position), np.array(site.rotation))
-    at = thing.frame.then(local)
-    into = rotate(at.rotation, np.array([1.0, 0.0, 0.0]))
-    level = palms_pointing(task.human, side, at.place, into, None, exactly=True)
+    rotation = multiply(np.array(site.rotation), from_axis_angle(_Z, np.array(aslant)))
+    local = Transform(np.array(site.position), rotation)
+    into = rotate(thing.frame.then(local).rotation, np.array([1.0, 0.0, 0.0]))
+    level = palms_pointing(task.human, side, thing.frame.apply(local.place), into, None, exactly=True)
     made: list[Array] = []
     for over in _OVER:
         turned = Transform(level[0, :3], multiply(from_axis_angle(into, np.array(over)), level[0, 3:]))

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from ahmss.algorithm.launcher import Launcher
@@ -322,6 +323,8 @@ class Control:
                     mover.order, "object", self._communication, actor, self._next_seed(), self._rate
                 )
                 mover.granted = True
+                if mover.given:  # the hand has closed on it already: its algorithm sees no fingers close
+                    start = msgspec.structs.replace(start, hold="keep")
                 mover.process = self._launcher.start(entry, start)
             except Unreachable:  # the connection broke before the answer: ask again
                 mover.claim = self._communication.claim(mover.name, mover.order.hand if mover.takes else "")

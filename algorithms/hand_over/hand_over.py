@@ -33,7 +33,7 @@ SHARE = 0.47  # of the way to the other at which the thing is held out
 HEIGHT = 0.63  # of the stature, the mean of both
 EYES = 0.936  # of the stature
 TURNS = np.radians(np.arange(-180.0, 180.0, 15.0))  # of the thing about the vertical
-NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have gone since it came
+NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have closed since it came
 WIDE = 0.1  # metres from its middle to a corner: what is wider is taken at its margin
 STILL, FRAMES = 0.002, 9  # metres in so many frames
 LOOKS = 0.4  # seconds, from where one looked to the other's eyes
@@ -95,7 +95,7 @@ def _until_taken(task: HumanTask, whom: WorldObject, row: Array) -> Generator[Ar
     """
     watching = Watching(task, whom)
     seen: dict[str, deque[Array]] = {hand: deque(maxlen=FRAMES) for hand in ("right", "left")}
-    first: dict[str, Array] = {}
+    widest: dict[str, float] = {}
     gaze = row[0, 220:].reshape(5, 8)[GAZE]
     before = gaze[:3].copy()
     for k in range(1, round(task.parameter("patience", 10.0) * task.rate) + 1):
@@ -103,12 +103,12 @@ def _until_taken(task: HumanTask, whom: WorldObject, row: Array) -> Generator[Ar
         gaze[:3] = before + minimum_jerk(np.array(k / (LOOKS * task.rate))) * (gaze[:3] - before)
         yield row.copy()
         for hand, track in seen.items():
-            if _has_closed(task, whom, hand, track, first):
+            if _has_closed(task, whom, hand, track, widest):
                 return hand
     return ""
 
 
-def _has_closed(task: HumanTask, whom: WorldObject, hand: str, track: deque[Array], first: dict[str, Array]) -> bool:
+def _has_closed(task: HumanTask, whom: WorldObject, hand: str, track: deque[Array], widest: dict[str, float]) -> bool:
     assert task.object is not None
     palm = whom.site(f"{hand}_hand", task.start.root)
     tip = palm.inverse().apply(whom.site(f"{hand}_fingers", task.start.root).place)
@@ -117,11 +117,12 @@ def _has_closed(task: HumanTask, whom: WorldObject, hand: str, track: deque[Arra
     half = 0.5 * float(np.linalg.norm(task.object.properties.get("size", (0.0, 0.0))[:2]))
     if float(np.linalg.norm(palm.place - at)) > NEAR + (half if half > WIDE else 0.0):
         track.clear()
-        first.pop(hand, None)
+        widest.pop(hand, None)
         return False
-    first.setdefault(hand, tip)
+    open_by = float(np.linalg.norm(tip))  # from the palm: a hand that only opens is not closed
+    widest[hand] = max(open_by, widest.get(hand, open_by))
     track.append(np.concatenate([palm.place, tip]))
-    return settled(track, FRAMES, STILL) and float(np.linalg.norm(tip - first[hand])) > CLOSED
+    return settled(track, FRAMES, STILL) and widest[hand] - open_by > CLOSED
 
 
 def _back(task: HumanTask, side: str, row: Array, begun: HumanTask, *, opens: bool) -> Iterator[Array]:

@@ -1,13 +1,15 @@
 """Taking what somebody gives: one turns to them, waits until it is held out, closes a hand on it, and draws it near.
 
-It is held out when it is about half-way between both and still. The hand comes from the side that is free of the
-other's. When it has closed, both stand still until the thing has changed hands.
+It is held out when it is about half-way between both and still, and came there from where the giver had it, or has
+long been there: what has just been drawn near is still as well. Where it was moved while the hand came, the hand comes
+again. It comes from the side that is free of the other's. When it has closed, both stand still until the thing has
+changed hands.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 
@@ -28,13 +30,16 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal, palms_of
-from ahmss.reaching.plan import Reaching
+from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 
 NEAR = 1.45  # metres to who gives, from where on it may be held out
 SHARES = (0.35, 0.68)  # of the way to them, between which it is held out
 LOW, EYES = 0.66, 0.936  # of the mean stature: up to where a thing is held out; how high eyes are
 STILL, FRAMES = 0.004, 10  # metres in so many frames
+CAME, LONG = 0.06, 2.5  # metres from where the giver had it at first; seconds that it is still where it has not come
+MOVED, TRIES = 0.04, 3  # metres that it may have moved while the hand came to it; times that the hand comes
+ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist needs it
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
 OPPOSITE = np.radians(75.0)  # how far from straight opposite the giver's palm the own one may come
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
@@ -49,25 +54,58 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     if whom is None or task.object is None:
         raise AlgorithmError("receive what, and from whom?")
     read_shape(task)
-    yield from _until_held_out(task, whom)
-    begun = again(task)
-    sides = margins(begun, side)
-    goal = _goal(begun, whom, side)
-    if sides:  # something flat: at a margin that the giver does not hold
-        goal = Goal(goal.place, palms={side: np.concatenate([margin.palms for margin in sides])})
-    gaze = Looking(begun, goal.place)
-    reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
-    plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
-    made = yield from performed(begun, reaching, plan, gaze, _opened(side))
-    yield begun.block(made.rotations, made.root, made.importance, made.targets)
-    last = begun.block(made.rotations, made.root, made.importance, made.targets)[-1]
-    closed = _closed(_held_at(task, sides, plan.palm, side, round(CLOSES * task.rate)), side, last)
+    first = None
+    for _ in range(TRIES):
+        yield from _until_held_out(task, whom)
+        begun = again(task)
+        first = first or begun
+        goal = _goal(begun, whom, side)
+        gaze = Looking(begun, goal.place)
+        reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
+        sides = list(margins(begun, side))
+        if sides:  # something flat: at a margin that the giver does not hold
+            plan = yield from _at_margin(begun, side, sides, goal, gaze, reaching)
+        else:
+            plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
+        made = yield from performed(begun, reaching, plan, gaze, _opened(side))
+        rows = begun.block(made.rotations, made.root, made.importance, made.targets)
+        yield rows
+        if float(np.linalg.norm(task.object.place - begun.object.place)) < MOVED:
+            break
+    closed = _closed(_held_at(task, sides, plan.palm, side, round(CLOSES * task.rate)), side, rows[-1])
     yield closed
     pose = HumanPose.of(closed[-1])
     yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
     wait = round(OPENS * task.rate)
     yield np.repeat(closed[-1:], wait, axis=0)
-    yield _drawn(task, side, pose, begun)
+    yield _drawn(task, side, pose, first)
+
+
+def _at_margin(
+    task: HumanTask, side: str, sides: list[Margin], goal: Goal, gaze: Looking, reaching: Reaching
+) -> Generator[Array, None, Plan]:
+    """The plan of a reach to one of these margins, to which those are added that the hand comes to aslant if it has to.
+
+    Raises:
+        AlgorithmError: all are out of reach; says by how much.
+    """
+    best, refused = None, None
+    for aslant in (None, *ASLANT):
+        if aslant is not None:
+            sides += margins(task, side, aslant)
+            yield gaze.alone()
+        goal = Goal(goal.place, palms={side: np.concatenate([margin.palms for margin in sides])})
+        try:
+            best = yield from planned(task, reaching, goal, gaze, prisms_of(task))
+        except AlgorithmError as error:
+            refused = error
+            continue
+        if best.arm.found:
+            break
+    if best is None:
+        assert refused is not None
+        raise refused
+    return best
 
 
 def _held_at(task: HumanTask, sides: Sequence[Margin], palm: Array, side: str, frames: int) -> HumanTask:
@@ -84,6 +122,8 @@ def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | Huma
     watching, track, stands = Watching(task, whom), deque[Array](maxlen=FRAMES), deque[Array](maxlen=FRAMES)
     importance = np.zeros(44)
     importance[INDEX["head"]] = 1.0
+    had = whom.frame.inverse().apply(task.object.place)
+    still = 0
     for k in range(1, round(task.parameter("patience", 30.0) * task.rate) + 1):
         targets = np.zeros((5, 8))
         targets[GAZE] = watching.gaze(0.0, 0.0, k)
@@ -100,7 +140,9 @@ def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | Huma
         share = float((task.object.place - here)[:2] @ way) / distance**2
         mean = 0.5 * (task.human.stature + float(whom.site("eyes", here).place[2]) / EYES)
         low = float(task.object.place[2]) < LOW * mean  # what is held before the eyes is read, not held out
-        if SHARES[0] < share < SHARES[1] and low and settled(track, FRAMES, STILL):
+        still = still + 1 if settled(track, FRAMES, STILL) else 0
+        came = float(np.linalg.norm(whom.frame.inverse().apply(task.object.place) - had)) > CAME
+        if SHARES[0] < share < SHARES[1] and low and still > (0 if came else LONG * task.rate):
             return
     seconds = task.parameter("patience", 30.0)
     raise AlgorithmError(f"{whom.name} has not held out {task.object.name} within {seconds:g} s")

@@ -1,7 +1,8 @@
 """An object that a hand takes, carries and lays down.
 
-It is caught when the fingers, at it, have closed and are still; from then on it keeps its pose in the palm. It is let
-go when the fingers open while the hand is still. A state `taken`, where the kind has it, says "yes" in between.
+It is caught when the fingers, at it, have closed and are still; what was given into the hand is at once. From then on
+it keeps its pose in the palm. It is let go when the fingers open while the hand is still. A state `taken`, where the
+kind has it, says "yes" in between.
 """
 
 from __future__ import annotations
@@ -32,10 +33,12 @@ def taken(task: ObjectTask) -> Iterator[ObjectPose]:
     held: Transform | None = None
     before, still, wide, tight = _bent(task.start, side), 0, np.inf, 0.0
     place = task.start.grip(side).place.copy()
+    told: dict[str, str] = {}
+    if task.hold == "keep":  # it came from another hand
+        held, tight, told = task.start.grip(side).inverse().then(task.object.frame), before, {"taken": "yes"}
     for human in task.frames():
         palm, bent = human.grip(side), _bent(human, side)
         still = still + 1 if abs(bent - before) < MOVES else 0
-        told: dict[str, str] = {}
         if held is None:
             apart = from_skin(task, human, side)
             wide = min(wide, bent) if apart < AT_IT else np.inf  # how far the hand was open, here
@@ -47,10 +50,11 @@ def taken(task: ObjectTask) -> Iterator[ObjectPose]:
         told = told if "taken" in task.object.states else {}
         if held is None:
             yield task.pose(None, None, told)
-            continue
-        tight = max(tight, bent)
-        followed = palm.then(held)
-        yield task.pose(followed.place, normalize(followed.rotation), told)
+        else:
+            tight = max(tight, bent)
+            followed = palm.then(held)
+            yield task.pose(followed.place, normalize(followed.rotation), told)
+        told = {}
 
 
 def _bent(human: HumanFrame, side: str) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, ObjectPose, Transform, frames
-from ahmss.algorithm.messages import Goal, ObjectRecord, Start
+from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
@@ -161,6 +161,19 @@ def turned(scene: Scene, page: float, **parameters: Any) -> list[HumanPose]:
         HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, told.states)
         for pose, told in zip(shown, made, strict=True)
     ]
+
+
+def test_what_was_given_into_the_hand_goes_with_it_from_the_first_frame() -> None:
+    scene = Scene("ken", "left", "manual", "edge", "eyes")
+    kept = msgspec.structs.replace(scene.start, hold="keep")
+    shown = scene.shown[-80:]  # fingers that have closed already, while it comes before the eyes
+    rows = scene.body.rows(shown)
+    start = msgspec.structs.replace(kept, kind="object", pose=PoseRecord.of(shown[0].rotations, shown[0].root))
+    followed = list(frames(program("taken"), start, rows))
+    inner = scene.in_palm(shown, followed)
+    assert followed[0].states == {"taken": "yes"}
+    assert np.ptp(inner, axis=0).max() < 1e-6
+    assert np.ptp([pose.place for pose in followed], axis=0).max() > 0.02
 
 
 @pytest.mark.parametrize(("name", "side"), [("ken", "left"), ("aiko", "left")])

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ahmss.body.quaternion import conjugate, rotate
+from tests.demo.recorded import Recorded
 from tests.demo.scenario import states_of
 
 from .test_handing import play
@@ -34,3 +37,34 @@ def test_a_manual_is_opened_where_the_other_hand_comes_to_its_pages(hand: str, t
     pages = [state["page"] for state in states]
     assert sorted(set(pages)) == [0.0, 1.0, 2.0]
     assert states[-1]["cover"] == "open"
+
+
+BACK = """
+add floor
+add table at 1.0 0 0 facing 180
+add manual at 0.55 0.0 0.88 facing 180
+human aiko body aiko at 0.2 0 facing 0
+human ken body ken at -1.67 -0.24 facing -12
+aiko: do manual take hand right
+sync
+aiko: do ken hand_over
+ken: do aiko receive
+sync
+ken: do aiko hand_over
+aiko: do ken receive
+sync
+aiko: wait 1
+"""
+
+
+def test_what_was_received_goes_with_the_hand_and_is_given_straight_back(tmp_path: Path) -> None:
+    recording, mains = play(tmp_path, BACK)
+    assert [main["messages"] for main in mains] == [[], []]
+    ken = Recorded.read(recording, "ken", ("manual",))
+    has = np.flatnonzero(np.array(ken.holders["manual"]) == "ken")
+    assert ken.holders["manual"][-1] == "aiko"
+    at, palm = ken.object("manual").place[has[3:]], ken.grip(0)
+    inner = rotate(conjugate(palm.rotation[has[3:]]), at - palm.place[has[3:]])
+    assert np.ptp(at, axis=0).max() > 0.1  # it was drawn near
+    assert np.linalg.norm(np.diff(inner, axis=0), axis=1).max() < 0.001
+    assert np.ptp(inner, axis=0).max() < 0.01
