@@ -9,6 +9,7 @@ from typing import Any
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError
 from ahmss.main.database import Scene, find_object
+from ahmss.states.state import State
 from ahmss.world.schema import StateValue
 
 __all__ = ["Comparison"]
@@ -16,6 +17,7 @@ __all__ = ["Comparison"]
 _OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
     "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
 }  # fmt: skip
+_ORDERS = ("<", "<=", ">", ">=")
 
 
 class Comparison:
@@ -36,17 +38,31 @@ class Comparison:
         if operator not in _OPERATORS:
             raise CommandError(f'"{operator}" compares nothing; use one of: {" ".join(_OPERATORS)}')
         self._operator = operator
-        if operator == "==":
-            self._check_value(workspace, record.kind)
-
-    def _check_value(self, workspace: Workspace, kind: str) -> None:
-        """Refuse to wait for what never comes."""
         try:
-            state = workspace.objects.get(kind).states.get(self._state)
+            known = workspace.objects.get(record.kind).states.get(state)
         except AhmssError:  # a kind that is not known here may have any values
-            return
-        if state is not None and not isinstance(self._value, bool) and state.parse(self._value) is None:
-            raise CommandError(f'{self.object} {self._state} is never "{self._value}"; allowed: {state.allowed}')
+            known = None
+        if known is not None and not isinstance(value, bool):
+            self._value = self._checked(known, value)
+        elif operator in _ORDERS and isinstance(self.value, str) != isinstance(value, str):
+            raise CommandError(f'{self.object} {state} is "{self.value}", neither less nor more than "{value}"')
+
+    def _checked(self, state: State, value: str | float) -> str | float:
+        """The value as the state has it: 0.4 for "0.4". Refuses to wait for what never comes."""
+        said, operator = f"{self.object} {self._state}", self._operator
+        if operator in _ORDERS and not state.is_number:
+            raise CommandError(f'{said} is no number, so it is never {operator} "{value}"; use == or !=')
+        parsed = state.parse(value)
+        if parsed is None:
+            always = not isinstance(value, str) and (
+                value > state.high if operator in ("<", "<=") else value < state.low
+            )
+            if operator == "==" or (operator in _ORDERS and not always):
+                what = f'"{value}"' if operator == "==" else f'{operator} "{value}"'
+                raise CommandError(f"{said} is never {what}; allowed: {state.allowed}")
+        elif (operator, parsed) in ((">", state.high), ("<", state.low)):
+            raise CommandError(f'{said} is never {operator} "{value}"; allowed: {state.allowed}')
+        return value if parsed is None else parsed
 
     @property
     def value(self) -> StateValue:
