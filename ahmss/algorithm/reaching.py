@@ -17,7 +17,7 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
@@ -46,6 +46,7 @@ _HEAD_SECONDS = 0.3  # in which the gaze comes to its place, where the head does
 _HEAD_FASTEST = np.radians(240.0)  # a second: 4.0 degrees a frame at 60 Hz, which leave room for what the trunk adds
 _PEAK = 1.875  # of a minimum jerk's mean speed
 _GAZES_IN = 0.8  # of a motion's frames, at the most, the gaze is on its way
+_THUMB = 0.015  # metres: a site deeper in a thing is pinched from farther before it, for an open thumb to come round it
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
 
@@ -66,6 +67,9 @@ def goal_of(task: HumanTask) -> Goal:
         if free:
             return Goal(task.site.place, task.goal_rotation, None, before)
         rotation = task.site.rotation if task.goal_rotation is None else task.goal_rotation
+        if task.object.sites[task.message.site].grip == "precision":
+            inside = _within(task.object, task.site.place, rotate(rotation, np.array([-1.0, 0.0, 0.0])))
+            before += inside + _THUMB if inside > _THUMB else 0.0
         return Goal(task.site.place, rotation, None, before)
     if task.object is not None:
         return Goal(task.object.place, task.goal_rotation)
@@ -269,6 +273,21 @@ class Looking:
         if not self._task.carried:
             targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7], targets[:, RIGHT_FOOT : LEFT_FOOT + 1, 7] = self._feet, 1.0
         return targets
+
+
+def _within(thing: WorldObject, place: Array, out: Array) -> float:
+    """Metres from a place (3,) in a thing out of it, along a direction (3,): of what says how large it is, else 0."""
+    size = thing.properties.get("size")
+    if not isinstance(size, (list, tuple)) or len(size) != 3:
+        return 0.0
+    length = np.array(size, float)
+    low, high = np.array([-0.5, -0.5, 0.0]) * length, np.array([0.5, 0.5, 1.0]) * length
+    back = thing.frame.inverse()
+    at, way = back.apply(place), rotate(back.rotation, out)
+    if ((at <= low) | (at >= high)).any():
+        return 0.0
+    ends = np.where(way > 0.0, high - at, at - low) / np.maximum(np.abs(way), 1e-9)
+    return float(ends.min())
 
 
 def _height(thing: WorldObject) -> float:

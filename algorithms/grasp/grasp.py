@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, importance_of, run
+from ahmss.algorithm.closing_way import THERE_BY, fingers_at, palms_at
 from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
@@ -23,8 +24,7 @@ from ahmss.motion.fingers import Cylinder, closed, opened
 
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers
-THERE_BY, OPEN_BY = 0.75, 0.55  # shares of the time: the palm at the wall, the opened fingers clear of it
-WIDE_BY, CLOSES_FROM = 0.5, 0.55  # where the hand has to open first: open by then, closing from then on
+OPEN_BY = 0.55  # share of the time: the opened fingers clear of the wall
 GAZE = 4
 # Its importance: at first a thousand times a walk's, which comes back in one frame where it ends, then ten times: the
 # body comes nearer, and needs to bend less.
@@ -43,21 +43,20 @@ def grasp(task: HumanTask) -> Iterator[Array]:
     if task.parameter("open", False):
         end = Transform(grip.place + task.parameter("back", 0.06) * _back(task, grip), grip.rotation)
         shapes = slerp(present, opened(side, present[:2]), minimum_jerk(time / OPEN_BY)[:, None])
-        yield _frames(task, side, shapes, (end, minimum_jerk((time - 0.25) / 0.75)))
+        moved = minimum_jerk((time - 0.25) / 0.75)
+        places = grip.place + moved[:, None] * (end.place - grip.place)
+        turned = np.repeat(grip.rotation[None], len(time), axis=0)
+        yield _frames(task, side, shapes, (np.concatenate([places, turned], axis=-1), moved))
         return
     read_shape(task)
     if task.length > 1:
-        yield _frames(task, side, present[None], (grip, np.zeros(1)))
+        yield _frames(task, side, present[None], (grip.row()[None], np.zeros(1)))
         time = time[1:]
     end = _closing(task, side, grip)
-    arriving = minimum_jerk(time / THERE_BY)
-    if end.wide is None:
-        shapes = slerp(present, end.shape, minimum_jerk(time)[:, None])
-    else:
-        shapes = slerp(present, end.wide, minimum_jerk(time / WIDE_BY)[:, None])
-        late = minimum_jerk((time - CLOSES_FROM) / (1.0 - CLOSES_FROM))[:, None]
-        shapes = np.where(late[..., None] > 0.0, slerp(end.wide, end.shape, late), shapes)
-    yield _frames(task, side, shapes, (end.palm, arriving), end.spine)
+    shapes = fingers_at(time, present, end.shape, end.wide)
+    palms = palms_at(time, grip.row(), end.palm.row(), end.out)
+    moved = minimum_jerk(time / THERE_BY)
+    yield _frames(task, side, shapes, (palms, moved), end.spine)
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:
@@ -123,13 +122,11 @@ def _seen_from_hand(skeleton: Skeleton, side: str, grip: Transform, axis: Transf
     return Cylinder(seen.place, rotate(seen.rotation, np.array([0.0, 0.0, 1.0])), radius)
 
 
-def _frames(
-    task: HumanTask, side: str, shapes: Array, palm: tuple[Transform, Array], spine: Array | None = None
-) -> Array:
-    """Poses, importances and targets from the fingers' rotations (n, 14, 4), the palm's end with its way (n), and the
-    spine (4,) at the end where the waist bends.
+def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Array, Array], spine: Array | None = None) -> Array:
+    """Poses, importances and targets from the fingers' rotations (n, 14, 4), the palms (n, 7) and how far they are on
+    their way (n), and the spine (4,) at the end where the waist bends.
     """
-    end, moved = palm
+    palms, moved = palm
     length = len(shapes)
     rotations = np.repeat(task.start.rotations[None], length, axis=0)
     rotations[:, list(fingers(side))] = shapes
@@ -137,10 +134,7 @@ def _frames(
         rotations[:, INDEX["spine"]] = slerp(rotations[:, INDEX["spine"]], spine, moved)
     targets = np.zeros((length, 5, 8))
     row = targets[:, 0 if side == "right" else 1]
-    grip = task.start.grip(side)
-    row[:, :3] = grip.place + moved[:, None] * (end.place - grip.place)
-    row[:, 3:7] = slerp(grip.rotation, end.rotation, moved)
-    row[:, 7] = 1.0
+    row[:, :7], row[:, 7] = palms, 1.0
     shares = {f"{side}_{part}": 1.0 for part in ("upper_arm", "lower_arm", "hand", "thumb", "index", "middle")}
     if spine is not None or task.carried:  # bent for the hand, or as the reach has left it, while the hand goes
         shares["spine"] = SPINE
