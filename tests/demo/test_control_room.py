@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ahmss.main.play import PlaySetup, play_script
@@ -62,6 +63,8 @@ def test_it_has_twenty_steps_for_two() -> None:
     assert [int(number) for number in re.findall(r"#\s+(\d+)\b", text)] == list(range(1, 21))
     assert len(re.findall(r"^(\w+): wait .*[=<>]", text, re.M)) >= 8
     assert set(re.findall(r"^(\w+): do ", text, re.M)) == {"ken", "aiko"}
+    stand = np.array(re.findall(r"^human .* at (\S+) (\S+)", text, re.M), float)
+    assert np.linalg.norm(stand[1] - stand[0]) > 0.75  # side by side, clear of each other's arms
 
 
 @pytest.mark.long
@@ -82,6 +85,7 @@ def test_the_pump_runs_in_the_end_and_everything_came_in_its_order(tmp_path: Pat
     )  # fmt: skip
     assert of(changes, "telephone", "hook") == ["off", "on"]
     assert world.pose("telephone/handset")[:3] == pytest.approx([-0.1, 1.25, 0.92], abs=0.005)  # in its cradle
+    assert of(changes, "key_switch", "cover") == ["open", "closed"]  # it stays shut behind the hand
     assert of(changes, "pump", "running") == ["on"]
     assert of(changes, "button_1", "lamp") == ["on", "off"]
     assert of(changes, "window_1", "window") == ["alarm", "acknowledged", "normal"]
