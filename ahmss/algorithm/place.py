@@ -46,10 +46,10 @@ class Transform:
         return Transform(-rotate(back, self.place), back)
 
 
-_SEEN = 40  # frames: a step and a little
+_SEEN = 70  # frames: a stride and a little
 
 
-def _sightings() -> deque[tuple[float, float, float]]:
+def _sightings() -> deque[tuple[float, float, float, float]]:
     return deque(maxlen=_SEEN)
 
 
@@ -60,7 +60,8 @@ class WorldObject:
     footprint: outlines (n, 2) of the area on the floor that it occupies for a walker, in its frame turned about z
     only, counter-clockwise, without holes; empty where algorithm.toml does not ask for `footprints`, and for what is
     under 5 cm, over 1.9 m, or in the hands of the acting human. seen: of a human, the last frames in which it moved:
-    the frame, x and y. moved: of a human, where sites that move by themselves are in the world, by their ids.
+    the frame, x and y, and which way they faced, radians. moved: of a human, where sites that move by themselves are
+    in the world, by their ids.
     shape: of the target, where algorithm.toml asks for `shape` and it has one; read when first looked at.
     """
 
@@ -74,7 +75,7 @@ class WorldObject:
     states: dict[str, Any] = field(default_factory=dict[str, Any])
     footprint: tuple[Array, ...] = ()
     shape: TargetShape | None = field(default=None, compare=False)
-    seen: deque[tuple[float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
+    seen: deque[tuple[float, float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
     moved: dict[int, Transform] = field(default_factory=dict[int, Transform], repr=False, compare=False)
 
     @classmethod

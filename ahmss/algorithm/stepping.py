@@ -71,10 +71,10 @@ def walkers(task: HumanTask) -> Sequence[Walker]:
     for human in task.world.values():
         if human.kind != "human":
             continue
-        k, place = float(task.present.k), human.place[:2].copy()
+        k, faces = float(task.present.k), 2.0 * np.arctan2(human.rotation[3], human.rotation[0])
         seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
-        track = np.array([*seen, (k, *place)] if not seen or seen[-1][0] < k else seen)
-        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:], human.name))
+        track = np.array([*seen, (k, *human.place[:2], faces)] if not seen or seen[-1][0] < k else seen)
+        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:3], human.name, track[:, 3]))
     return found
 
 

@@ -230,7 +230,7 @@ class Task:
             target.place[:] = place
             target.rotation[:] = rotation
             if target.kind == "human":
-                target.seen.append((k, place[0], place[1]))
+                target.seen.append((k, place[0], place[1], 2.0 * np.arctan2(rotation[3], rotation[0])))
 
 
 class HumanTask(Task):

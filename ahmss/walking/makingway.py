@@ -14,31 +14,28 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course, NoWay
+from ahmss.walking.walkers import LOOKED, MOVING, Walker
 
-__all__ = [
-    "LOOKED", "MET", "Option", "Walker", "cut", "goes_first", "held_up", "least", "meets", "options", "turned_into"
-]  # fmt: skip
+__all__ = ["MET", "Option", "cut", "goes_first", "held_up", "least", "meets", "options", "turned_into"]
 
-LOOKED = np.arange(0.0, 2.41, 0.1)  # seconds: how far ahead a walker looks for others, and how finely
 MET = 0.64  # metres apart at which one makes way
 _APART = 0.7  # metres that two walkers' middles shall keep apart where one goes round the other
 _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
 _PASSING = 1.5  # metres: who gets no nearer is not gone round
-_MOVING, _STRIDE = 0.1, 1.1  # m/s: of who is not standing, of who walks
-_STOPPING = np.array([0.3, 0.8, 1.3])  # seconds in which who goes on may have stopped
-_STEP, _MOMENT = 0.55, 0.15  # seconds over which a velocity is known, and in which it may have changed
-_CHANGED, _SLOWING = 0.65, 0.3  # share of the speed that is a change of it; seconds in which one stops
 _SLOWER = (0.85, 0.7)  # shares of the speed
 _TURNED, _LEFT, _SLOWED, _STOPPED, _LONGER = 0.3, 0.15, 1.6, 1.6, 0.6  # costs; the last one a metre
+_CHANGES = 1.2  # what it costs to pass on another side than one has begun to
 _HARD, _SOFT = 1.0, 0.6  # what a stop in less than so many metres costs more, a metre
 _RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
 _LIKELY = 0.8  # how much it counts that who walks may stop
 _SURE, _UNSURE = (0.8, 2.4), (1.0, 0.4)  # how much it counts (the latter) after so many seconds that who walks goes on
 _STOOD = 0.4  # how much it counts that who goes on comes near when one stands oneself: they can go round
 _SWAY = 0.09  # metres that hips go to a side before a step: one comes no nearer by it
-_FIRST = np.array([0.8, 0.6])  # who stands further that way goes first: any way serves
-_COMMITTED, _SET_OUT = 0.4, 0.8  # m/s: slower ones may still call off a start; slower ones may go any way
+_CLOSE, _TURNS, _TOUCHING = 0.78, 0.2, 0.42  # metres: who is so near may come so much nearer in turning, to leave
+_COMMITTED, _SET_OUT = 0.5, 0.8  # m/s: slower ones may still call off a start; slower ones may go any way
+_TOO_NEAR, _STIRS, _RECEDES = 1.5, 0.05, 0.3  # metres; m/s: of two so near one sets out, the other when that has left
+_SLACK = 0.85  # seconds sooner or later, at which who stands lets who walks pass
 _REACHED = 1.7  # metres from one's way within which who sets out may come into it
 _SHARPEST = 1.6  # 1/m, of a bend in which a walker turns in
 _GENTLE = 0.9  # 1/m: a bend as gentle as that is not made gentler
@@ -47,66 +44,17 @@ _SAMPLE = 0.02
 
 
 @dataclass(frozen=True)
-class Walker:
-    """Somebody else on the floor: place (2,) metres, velocity (2,) metres a second; whether they are about to stop.
-
-    name: what a person is told of them by; "" where it is not known.
-    """
-
-    place: Array
-    velocity: Array
-    stops: bool = False
-    name: str = ""
-
-    @classmethod
-    def of(cls, seconds: Array, places: Array, name: str = "") -> Walker:
-        """From where they were (n, 2) at times (n,), rising, the last one now.
-
-        Hips go faster and slower and from side to side at each step, so the velocity is that over a step; who has
-        just become much faster or slower is taken at the last moments' velocity.
-        """
-        still = np.zeros(2)
-        if len(places) < 2:
-            return cls(places[-1], still, name=name)
-        last, since = seconds[-1], np.searchsorted(seconds, seconds[-1] - np.array([_STEP, _MOMENT]) - 1e-9)
-        step, moment = ((places[-1] - places[i]) / (last - seconds[i]) if i < len(places) - 1 else still for i in since)
-        usual, now = np.linalg.norm(step), np.linalg.norm(moment)
-        if now < _CHANGED * usual:
-            return cls(places[-1], moment, stops=True, name=name)
-        return cls(places[-1], moment if usual < _CHANGED * now else step, name=name)
-
-    def after(self, seconds: Array) -> Array:
-        """Where they will be (..., 2)."""
-        going = _SLOWING * (1.0 - np.exp(-seconds / _SLOWING)) if self.stops else seconds
-        return self.place + going[..., None] * self.velocity
-
-    def may_go(self) -> Iterator[Walker]:
-        """In which ways they may go on, who have perhaps just set out: soon at full stride, or to somewhere ahead."""
-        speed = float(np.linalg.norm(self.velocity))
-        yield self
-        if _MOVING < speed < _STRIDE:
-            yield Walker(self.place, _STRIDE / speed * self.velocity)
-        yield from self.may_stop(_STOPPING)
-
-    def may_stop(self, seconds: Array = _STOPPING[:1]) -> Iterator[Walker]:
-        """Standing where they are after some of so many seconds, if they walk."""
-        if float(np.linalg.norm(self.velocity)) > _MOVING:
-            for place in self.after(seconds):
-                yield Walker(place, np.zeros(2))
-
-    def precedes(self, place: Array) -> bool:
-        """Whether they go first, of two who stand and could: of two only one waits for the other."""
-        return float((self.place - place) @ _FIRST) > 0.0
-
-
-@dataclass(frozen=True)
 class Option:
-    """What a walker may do: a course from where it is, the share of its speed, whether it stops there; its cost."""
+    """What a walker may do: a course from where it is, the share of its speed, whether it stops there; its cost.
+
+    side: on which it passes others, 1 the right, -1 the left; 0: on neither.
+    """
 
     course: Course
     slow: float
     stops: bool
     cost: float
+    side: float = 0.0
 
 
 def least(own: Array, others: Sequence[Walker]) -> float:
@@ -119,14 +67,14 @@ def least(own: Array, others: Sequence[Walker]) -> float:
 
 def meets(own: Array, others: Sequence[Walker]) -> bool:
     """Whether somebody comes too near if they go on, or may come so if they stop."""
-    return least(own, [way for other in others for way in (other, *other.may_stop())]) < MET
+    return least(own, [way for other in others for way in (other, *other.may_walk(), *other.may_stop())]) < MET
 
 
 def goes_first(own: Array, others: Sequence[Walker], beside: float) -> bool:
     """Whether somebody who stands ahead, so near (metres), is to go before one who would go along `own` (n, 2)."""
     for other in others:
         way = other.place - own[0]
-        stands = np.linalg.norm(other.velocity) < _MOVING and np.linalg.norm(way) < beside
+        stands = np.linalg.norm(other.velocity) < MOVING and np.linalg.norm(way) < beside
         if stands and other.precedes(own[0]) and way @ (own[-1] - own[0]) > 0.0:
             return True
     return False
@@ -145,10 +93,14 @@ def held_up(own: Array, others: Sequence[Walker], nearer: float = 0.0, *, begun:
     """
     ways: list[Walker] = []
     for other in others:
+        if _sets_out(other, own) and other.precedes(own[0]):
+            return True
+        if not begun and _crosses(other, own) < MET - nearer:
+            return True
         speed, way = float(np.linalg.norm(other.velocity)), other.place - own[0]
         if speed < _COMMITTED and (tired or (begun and not other.precedes(own[0]))):
             ways.append(Walker(other.place, np.zeros(2)))
-        elif other.stops or not _MOVING < speed < _SET_OUT:
+        elif other.stops or not MOVING < speed < _SET_OUT:
             ways.extend(other.may_go())
         elif way @ (own[-1] - own[0]) > 0.0 and np.linalg.norm(own - other.place, axis=-1).min() < _REACHED:
             return True
@@ -157,17 +109,38 @@ def held_up(own: Array, others: Sequence[Walker], nearer: float = 0.0, *, begun:
     return least(own, ways) < MET - nearer
 
 
+def _sets_out(other: Walker, own: Array) -> bool:
+    """Whether somebody near has just set out, as one would along `own` (n, 2), and has not left yet."""
+    off = other.place - own[0]
+    away, speed = float(np.linalg.norm(off)), float(np.linalg.norm(other.velocity))
+    return away < _TOO_NEAR and _STIRS < speed < _SET_OUT and float(other.velocity @ off) < _RECEDES * away
+
+
+def _crosses(other: Walker, own: Array) -> float:
+    """How near somebody who walks comes (metres) to where one would be along `own` (n, 2), a little sooner or later.
+
+    Infinite where they come no nearer than they are now.
+    """
+    if float(np.linalg.norm(other.velocity)) < MOVING:
+        return np.inf
+    times = LOOKED[: len(own)]
+    away = np.linalg.norm(own[:, None] - other.after(LOOKED), axis=-1)
+    near = float(away[np.abs(times[:, None] - LOOKED) < _SLACK].min())
+    return near if near < away[0, 0] - _SWAY else np.inf
+
+
 def _approaching(own: Array, others: Sequence[Walker]) -> Iterator[Array]:
     """How far those are (n,) who come nearer."""
     for other in others:
         away = np.linalg.norm(own - other.after(LOOKED[: len(own)]), axis=-1)
-        if away.min() < away[0] - _SWAY:
+        turns = away[0] < _CLOSE and away.min() > _TOUCHING
+        if away.min() < away[0] - (_TURNS if turns else _SWAY):
             yield away
 
 
 def options(
     own: Array, rest: Course, stops: Sequence[float], speed: float, others: Sequence[Walker],
-    around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course],
+    around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course], side: float = 0.0,
 ) -> list[Option]:  # fmt: skip
     """What may be done, the cheapest first.
 
@@ -178,6 +151,7 @@ def options(
         speed: its own, m/s.
         others: who is about.
         around: plans a way from a place and heading round circles.
+        side: on which it has begun to pass them; 0: on neither. The other one is dear: they have made way for this.
     """
     found = [Option(rest, 1.0, False, _risk(own, others))]
     for slow in _SLOWER:
@@ -186,16 +160,19 @@ def options(
         course = cut(rest, 0.0, length)
         hard = _HARD * max(_SOFT - length, 0.0)
         found.append(Option(course, 1.0, True, _STOPPED + hard + _risk(_ahead(course, speed, stops=True), others)))
-    for side, dear in ((1.0, _TURNED), (-1.0, _TURNED + _LEFT)):
+    ways = {1.0: _TURNED, -1.0: _TURNED + _LEFT}
+    if side:
+        ways[-side] += _CHANGES
+    for way, dear in sorted(ways.items(), key=lambda item: item[1]):
         if min(option.cost for option in found) < dear:
             break  # planning takes long, and would be of no use
-        course = _passing(rest, speed, others, around, side)
+        course = _passing(rest, speed, others, around, way)
         if course is None:
             continue
         dear += _LONGER * max(course.length - rest.length, 0.0)
         for slow in (1.0, *_SLOWER):
             cost = dear + _SLOWED * (1.0 - slow) + _risk(_ahead(course, slow * speed), others)
-            found.append(Option(course, slow, False, cost))
+            found.append(Option(course, slow, False, cost, way))
     return sorted(found, key=lambda option: option.cost)
 
 
@@ -216,8 +193,9 @@ def _risk(own: Array, others: Sequence[Walker]) -> float:
     trust = np.interp(LOOKED[: len(own)], _SURE, _UNSURE) * np.clip(speed, _STOOD, 1.0)
     risk = 0.0
     for other in others:
-        moving = float(np.linalg.norm(other.velocity)) > _MOVING
+        moving = float(np.linalg.norm(other.velocity)) > MOVING
         ways = [(other, trust if moving else 1.0), *((way, _LIKELY) for way in other.may_stop())]
+        ways += [(way, _LIKELY * trust) for way in other.may_walk() if not other.stops]
         risk += max(_nearness(own, way, counts) for way, counts in ways)
     return risk
 
@@ -255,7 +233,7 @@ def _circles(rest: Course, speed: float, others: Sequence[Walker], side: float) 
         if away[met] > _PASSING:
             continue
         aside = side * _ASIDE * np.array([-np.sin(heading[met]), np.cos(heading[met])])
-        moving = float(np.linalg.norm(other.velocity)) > _MOVING
+        moving = float(np.linalg.norm(other.velocity)) > MOVING
         for later in (-_LATER, 0.0, _LATER) if moving else (0.0,):
             x, y = other.after(np.array(max(LOOKED[met] + later, 0.0))) + aside
             yield float(x), float(y), _APART

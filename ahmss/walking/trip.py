@@ -19,16 +19,18 @@ from ahmss.walking.hesitating import back, last_moment
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, footing, journey, onward, stride_at
 from ahmss.walking.journey import Stride as Walking
 from ahmss.walking.library import RATE, Library
-from ahmss.walking.makingway import LOOKED, Option, Walker, cut, goes_first, held_up, meets, options
+from ahmss.walking.makingway import Option, cut, goes_first, held_up, meets, options
 from ahmss.walking.nominal import clip_of, length_of
 from ahmss.walking.pacing import Paced
 from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, piece, standing_piece
+from ahmss.walking.walkers import LOOKED, Walker
 from ahmss.walking.wayout import natural, touches
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 RADIUS = 0.27  # metres that a walker keeps from things
 _APART = 0.75  # metres that two walkers' middles shall keep apart
+_LEAVES, _TOUCHING = 0.03, 0.45  # metres nearer that who stands beside somebody may come on leaving; never nearer
 # The ends by which one stops, and to what share of their length.
 _STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("small", 1.0), ("normal", 1.0))
 _NEAR = 2.3  # metres: whom one goes round from the beginning
@@ -36,9 +38,11 @@ _TRIED = 4  # ways out that are looked at closely
 _AGAIN = 12  # frames after which who waits looks again
 _POLITE, _BESIDE = 2.0, 2.2  # seconds that one lets others go first, who stand so near (metres)
 _LOOKS, _ABOUT = 1.2, 4.8  # seconds that one looks, before setting out, whether others do who are so near
-_ASIDE, _YIELDS = 0.85, 1.0  # metres that one steps aside for who wants to be where one is, after so many seconds
+_ASIDE = 0.85  # metres that one steps aside for who wants to be where one is
+_YIELDS = 1.0, 5.0  # seconds after which one does, and once more
 _IMPATIENT = 0.12  # metres: how much nearer one goes in the end
 _TIRED = 6.0  # seconds after which one waits no more for who does hardly move
+_KEEPS = 2.5  # seconds for which one keeps to the side on which one has begun to pass
 _PATIENCE = 15.0  # seconds that a walker waits for others to go
 
 
@@ -72,6 +76,8 @@ class Trip:
         self.standing = Standing.of(self.skeleton, self.library)
         self._arms: Array | None = None
         self._made = self._waited = 0  # frames: of the trip so far, and of these for how many one has waited
+        self._asides = 0  # steps out of another's way
+        self._side, self._sided = 0.0, 0  # on which others are passed, and since which frame
         self._rate, self._rates = 1.0, (1.0, 1.0)  # frames of the clips that pass in one; the least and the most
         self._things = np.array([shapely.Polygon(ring) for ring in self.ground.outlines if len(ring) > 2], dtype=object)
 
@@ -111,7 +117,9 @@ class Trip:
 
         It leads round those who are so near that the first step would be too late for it; where none does, one waits.
         """
-        near = [(x, y, r) for x, y, r in self._circles() if np.hypot(x - now.place[0], y - now.place[1]) < _NEAR]
+        near = [
+            (x, y, r) for x, y, r in self._circles(now.place) if np.hypot(x - now.place[0], y - now.place[1]) < _NEAR
+        ]
         if near:
             with contextlib.suppress(NoWay):
                 return self._set_out(now, near), True
@@ -204,7 +212,8 @@ class Trip:
             return self._course(place, heading, [(x, y, apart - RADIUS) for x, y, apart in circles])
 
         own = self._ahead(going, going.seams[seam])
-        for option in options(own, rest, stops, speed, others, around)[:_TRIED]:
+        side = self._side if self._made - self._sided < _KEEPS * RATE else 0.0
+        for option in options(own, rest, stops, speed, others, around, side)[:_TRIED]:
             if option.course is rest and option.slow == 1.0:
                 return None
             if option.course is not rest and touches(option.course, self._things):
@@ -214,6 +223,8 @@ class Trip:
                 facing = self.facing
             made = self._onward(stride, option, facing)
             if natural(made, self.standing.height):
+                if option.side:
+                    self._side, self._sided = option.side, self._made
                 return made, option.stops
         return None
 
@@ -232,9 +243,16 @@ class Trip:
         self._rate = float(np.clip(more * self._rate, *self._rates))
         return at(self._rate)
 
-    def _circles(self, nearer: float = 0.0) -> list[tuple[float, float, float]]:
-        """Others as circles, where they are; one may pass nearer to them by so many metres."""
-        return [(*other.place.tolist(), _APART - RADIUS - nearer) for other in self.others()]
+    def _circles(self, place: Array, nearer: float = 0.0) -> list[tuple[float, float, float]]:
+        """Others as circles, where they are; one may pass nearer to them by so many metres.
+
+        Who stands nearer to somebody already may leave from there, but goes no nearer.
+        """
+        circles: list[tuple[float, float, float]] = []
+        for other in self.others():
+            away = float(np.linalg.norm(other.place - place)) - _LEAVES
+            circles.append((*other.place.tolist(), max(min(_APART - nearer, away), _TOUCHING) - RADIUS))
+        return circles
 
     def _wait(self, last: Piece, now: Footing, looks: float = 0.0) -> Iterator[Piece]:  # -> Journey
         """Stand until the way is free; the walk from there, the nearer to others the longer one has stood.
@@ -245,19 +263,24 @@ class Trip:
             last: the frame in which one stands. now: where.
             looks: seconds that one stands in any case, to see where others go; 0: others may go first.
         """
-        frame, aside = -1, False
+        frame = -1
         while self._waited < _PATIENCE * RATE:
             yield last
             frame, self._waited = frame + 1, self._waited + 1
             if frame % _AGAIN or frame < looks * RATE:
                 continue
-            if not aside and frame >= _YIELDS * RATE:
+            if self._asides < len(_YIELDS) and frame >= _YIELDS[self._asides] * RATE:
                 away = self._aside(now)
                 if away is not None:
-                    yield piece(away, 0, away.seams[-1])
-                    last, now, aside = standing_piece(away, -1), footing_at(away, -1), True
+                    clearing = Clearing(self.skeleton, away, last_moment(away), self.ground, self._arms)
+                    made = yield from self._set_in_motion(away, clearing)
+                    if made:
+                        away, self._asides = clearing.walk(), self._asides + 1
+                        yield piece(away, made, away.seams[-1])
+                    end = -1 if made else 0
+                    last, now = standing_piece(away, end), footing_at(away, end)
             try:
-                ahead = self._set_out(now, self._circles(self._nearer()))
+                ahead = self._set_out(now, self._circles(now.place, self._nearer()))
             except NoWay:
                 continue
             own = self._ahead(ahead, 0)
@@ -301,7 +324,7 @@ class Trip:
             right = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
             for side in (_ASIDE * right, -_ASIDE * right):
                 with contextlib.suppress(NoWay):
-                    course = self._course(now.place, now.heading, self._circles(), now.place + side)
+                    course = self._course(now.place, now.heading, self._circles(now.place), now.place + side)
                     away = self._journey(now, course, now.heading)
                     if course.length < 1.2 * _ASIDE and not held_up(self._ahead(away, 0), self.others(), begun=False):
                         return away

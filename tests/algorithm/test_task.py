@@ -184,9 +184,10 @@ def test_where_other_humans_were_is_remembered(make_start):
     for k in (1, 2, 5):
         row = np.zeros(190)
         row[0] = k
-        moved = [[-4, 1 + 0.1 * k, 2, 0, 1, 0, 0, 0], [9, k, 0, 0, 1, 0, 0, 0]]
+        moved = [[-4, 1 + 0.1 * k, 2, 0, np.cos(0.1 * k), 0, 0, np.sin(0.1 * k)], [9, k, 0, 0, 1, 0, 0, 0]]
         task.see(np.concatenate([row, np.ravel(moved).astype(float)]))
-    assert [tuple(map(float, at)) for at in task.world[-4].seen] == [(1.0, 1.1, 2.0), (2.0, 1.2, 2.0), (5.0, 1.5, 2.0)]
+    seen = [(1.0, 1.1, 2.0, 0.2), (2.0, 1.2, 2.0, 0.4), (5.0, 1.5, 2.0, 1.0)]  # frame, place, heading
+    np.testing.assert_allclose(task.world[-4].seen, seen)
     assert not task.world[9].seen
 
 

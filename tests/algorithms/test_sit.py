@@ -17,7 +17,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.contact import foot_points
 from ahmss.reaching.standing import centre_of_mass
 from ahmss.walking import trip
-from ahmss.walking.makingway import Walker
+from ahmss.walking.walkers import Walker
 
 from .reached import outlined
 from .scene import Body, program

@@ -9,7 +9,8 @@ import pytest
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course, NoWay, plan
-from ahmss.walking.makingway import LOOKED, MET, Option, Walker, cut, least, options, turned_into
+from ahmss.walking.makingway import MET, Option, cut, least, options, turned_into
+from ahmss.walking.walkers import LOOKED, Walker
 
 STILL = np.zeros(2)
 STOPS = (0.42, 0.62, 0.77)
@@ -55,6 +56,21 @@ def test_who_gets_slow_is_about_to_stop() -> None:
     way = (other.after(LOOKED) - other.place)[:, 0]
     assert (np.diff(way) > 0.0).all()
     assert way[-1] == pytest.approx(0.15, abs=0.01)
+
+
+def test_who_sways_goes_where_they_face_and_who_turns_or_goes_sideways_does_not() -> None:
+    time = np.arange(70) / 60.0
+    sway = -0.03 * np.cos(2.0 * np.pi * (time - time[-1]) / 1.1)
+    hips = np.radians(8.0) * np.cos(2.0 * np.pi * time / 1.1)  # to and fro with each step
+    places = np.stack([1.2 * time, sway], axis=-1)
+    assert abs(Walker.of(time, places).velocity[1]) > 0.1  # what the sway makes of it
+    other = Walker.of(time, places, "ken", hips)
+    np.testing.assert_allclose(other.velocity, [1.2, 0.0], atol=0.03)
+    assert other.name == "ken"
+    sideways = Walker.of(time, places, "", hips + np.radians(80.0))
+    turns = Walker.of(time, places, "", hips + 1.2 * time)
+    for one in (sideways, turns):
+        np.testing.assert_array_equal(one.velocity, Walker.of(time, places).velocity)
 
 
 def test_once_seen_one_stands() -> None:

@@ -12,6 +12,7 @@ import shapely
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.contact import foot_points
+from ahmss.motion.edit import floor_frame
 from ahmss.walking import trip
 from ahmss.walking.library import BODY, RATE
 from ahmss.walking.trip import Ground, Trip, Walker
@@ -214,37 +215,60 @@ def both(first: tuple[float, float], second: tuple[float, float], goals: Sequenc
     return together((first, second), goals)
 
 
-def together(starts: Sequence[tuple[float, float]], goals: Sequence[tuple[float, float]]) -> list[Array]:
-    """Trips at once, each seeing the others' last frames; the hips' ways (F, 3) of all."""
-    body = m.subject("ken")
+def together(
+    starts: Sequence[tuple[float, float]], goals: Sequence[tuple[float, float]], *,
+    names: Sequence[str] = ("ken",), facing: Sequence[float] = (), later: int = 0,
+) -> list[Array]:  # fmt: skip
+    """Trips at once, each seeing the others' last frames; the hips' ways (F, 3) of all.
+
+    names: their bodies, in turn. facing: degrees; towards the goal if left out. later: frames by which the last begins.
+    """
     roots: list[list[Array]] = []
+    faced: list[list[float]] = []
     walks = []
 
     def seen(own: int) -> Callable[[], Sequence[Walker]]:
         def now() -> Sequence[Walker]:
-            ways = [np.array(way[-40:])[:, :2] for i, way in enumerate(roots) if i != own]
-            return [Walker.of(np.arange(len(way)) / RATE, way) for way in ways]
+            found: list[Walker] = []
+            for i, way in enumerate(roots):
+                if i != own:
+                    places, angles = np.array(way[-70:])[:, :2], np.array(faced[i][-70:])
+                    found.append(Walker.of(np.arange(len(places)) / RATE, places, "", angles))
+            return found
 
         return now
 
     for i, (place, goal) in enumerate(zip(starts, goals, strict=True)):
-        way = np.subtract(goal, place)
-        rotations, root = body.at(place, float(np.degrees(np.arctan2(way[1], way[0]))))
+        body, way = m.subject(names[i % len(names)]), np.subtract(goal, place)
+        rotations, root = body.at(place, facing[i] if facing else float(np.degrees(np.arctan2(way[1], way[0]))))
         roots.append([root])
+        faced.append([yaw(rotations[0])])
         one = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, seen(i))
-        walks.append(root for piece in one.pieces(rotations, root) for root in piece.root)
-    going = set(range(len(starts)))
+        walks.append(k for piece in one.pieces(rotations, root) for k in zip(piece.root, piece.rotations, strict=True))
+    going, begun = set(range(len(starts))), 0
     while going:
+        begun += 1
         for i, walk in enumerate(walks):
-            root = next(walk, None)
-            if root is None:
+            if i == len(walks) - 1 and begun <= later:
+                continue
+            made = next(walk, None)
+            if made is None:
                 going.discard(i)
-            roots[i].append(roots[i][-1] if root is None else root)  # who has arrived stands there
+            root, rotations = (roots[i][-1], None) if made is None else made  # who has arrived stands there
+            roots[i].append(root)
+            faced[i].append(faced[i][-1] if rotations is None else yaw(rotations[0]))
         assert max(map(len, roots)) < 2400, "they never arrive"
+    for way in roots:
+        way += [way[-1]] * (max(map(len, roots)) - len(way))
     made = [np.array(way) for way in roots]
     for way in made:
         upright(way[1:])
     return made
+
+
+def yaw(hips: Array) -> float:
+    _, turn = floor_frame(hips[None], np.zeros(3))
+    return float(2.0 * np.arctan2(turn[3], turn[0]))
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.15, -0.15, 0.4])
@@ -317,6 +341,35 @@ def test_who_goes_second_looks_where_the_other_goes() -> None:
     last = max(map(len, ways))
     a, b = (np.concatenate([way, np.repeat(way[-1:], last - len(way), axis=0)])[:, :2] for way in ways)
     assert np.linalg.norm(a - b, axis=-1).min() > APART
+
+
+@pytest.mark.parametrize(
+    ("starts", "goals", "facing"),
+    [
+        (((-2.52, 2.1), (-2.81, 0.36)), ((-0.51, -2.21), (0.44, -2.31)), (-162.0, 76.0)),  # to places side by side
+        (((0.25, -2.54), (1.22, -2.63)), ((-1.32, 2.14), (-2.37, -1.76)), (-48.0, -55.0)),  # from places side by side
+        (((1.976, -0.012), (1.155, -0.966)), ((-1.703, -2.396), (-2.768, 1.212)), (96.0, 8.0)),  # both turn about first
+        (((-2.51, 0.04), (2.51, -0.3)), ((2.51, 0.5), (-2.51, -0.26)), (0.0, 180.0)),
+        (((-2.04, -0.35), (-0.36, 0.79)), ((-0.71, 1.05), (-1.78, -0.88)), (16.0, -26.0)),  # to beside
+    ],
+)
+def test_two_who_face_anywhere_keep_apart_and_arrive(
+    starts: tuple[tuple[float, float], ...], goals: tuple[tuple[float, float], ...], facing: tuple[float, ...]
+) -> None:
+    ways = together(starts, goals, names=("ken", "aiko"), facing=facing, later=2)
+    assert nearest([way[:, :2] for way in ways]) > 0.6
+    for way, goal in zip(ways, goals, strict=True):
+        assert np.linalg.norm(way[-1, :2] - goal) < 0.01
+
+
+@pytest.mark.parametrize("heading", [-134.0, 90.0, -90.0])
+@pytest.mark.parametrize("apart", [0.6, 0.7])
+def test_who_stands_beside_somebody_leaves_at_once_and_does_not_touch_them(apart: float, heading: float) -> None:
+    beside = Walker(np.array([-apart, 0.0]), np.zeros(2))
+    made = go((-0.1, 3.0), others=lambda _: (beside,), start=heading)
+    assert made.nearest() > 0.42
+    assert len(made.walk.root) < 8.0 * RATE
+    assert np.linalg.norm(made.walk.root[-1, :2] - [-0.1, 3.0]) < 0.01
 
 
 def nearest(ways: Sequence[Array]) -> float:
