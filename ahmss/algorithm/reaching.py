@@ -46,7 +46,7 @@ _HEAD_SECONDS = 0.3  # in which the gaze comes to its place, where the head does
 _HEAD_FASTEST = np.radians(240.0)  # a second: 4.0 degrees a frame at 60 Hz, which leave room for what the trunk adds
 _PEAK = 1.875  # of a minimum jerk's mean speed
 _GAZES_IN = 0.8  # of a motion's frames, at the most, the gaze is on its way
-_THUMB = 0.015  # metres: a site deeper in a thing is pinched from farther before it, for an open thumb to come round it
+_THUMB = 0.02  # metres: a site deeper in a thing is pinched from farther before it, for an open thumb to come round it
 _HEIGHT = 2.0  # metres, of what says neither its size nor how high its sites are
 
 

@@ -174,6 +174,29 @@ def before_a_box(
     return body, start, frame, np.array(mesh.vertices[mesh.faces])
 
 
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_thumb_and_fingers_come_round_a_box_that_they_pinch(name: str, tmp_path: Path) -> None:
+    """The site is in its middle: the hand stops before it, and goes out again as it turns to its sides."""
+    size = (0.05, 0.06, 0.12)
+    _, grasped, _, corners = before_a_box(name, "right", tmp_path, size)
+    assert grasped.object is not None
+    frame = Transform(np.array([0.42, -0.15, 0.88]), IDENTITY)
+    box = replace(
+        grasped.object, place=tuple(frame.place), rotation=tuple(frame.rotation), properties={"size": list(size)}
+    )
+    body, deepest = Body(name), 1.0
+    links = [INDEX["right_hand"], *fingers("right")]
+    for algorithm, length in (("reach", 0), ("grasp", 30)):
+        pose = PoseRecord.of(body.rotations, body.root)
+        for one in body.do(algorithm, replace(grasped, object=box, pose=pose, frames=length))[::2]:
+            places, turned = forward(one.rotations, one.root, body.skeleton.offsets)
+            along = np.linspace(0.0, 0.85, 6)[:, None, None] * body.skeleton.tips[links]
+            points = frame.inverse().apply(places[links] + rotate(turned[links], along))
+            gaps = outside(points.reshape(-1, 3), corners).reshape(points.shape[:2])
+            deepest = min(deepest, float((gaps - body.skeleton.radii[links])[:, 1:].min()))
+    assert -0.002 < deepest < 0.002  # and touches it in the end
+
+
 def test_a_tap_is_taken_between_thumb_and_fingers_and_let_go_along_the_way_it_came() -> None:
     body, start = at_site(TAP, "handle", np.array([-0.1, 0.0, 0.0]))
     body.do("grasp", start)
