@@ -52,13 +52,15 @@ class Part:
 
     site: where it is taken, as it is now, in the world. way: for shares (n) of its way, from 0 to 1, the site's places
     (n, 3), and the turns (n, 4) in the world that the hand makes with it. seconds: that the way takes. off: (3,) metres
-    from where a hand is on it to where the open hand is set, and to which it goes back.
+    from where a hand is on it to where the open hand is set, and to which it goes back. short: of the palms (7,) that
+    hold it when it sets out and when it is there, why that is not where it was to go; "" where it is.
     """
 
     site: Transform
     way: Way
     seconds: float
     off: Array = field(default_factory=lambda: np.zeros(3))
+    short: Callable[[Array, Array], str] | None = None
 
     def palm(self, set_at: Array) -> Transform:
         """The palm on it, of a hand that is set before it (7,)."""

@@ -48,6 +48,7 @@ __all__ = ["Part", "gone_back", "pinched", "rows_made"]
 
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
+_SHORT = 1.0  # as metres: any way on which it comes where it is to go is better
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
 _MOST_WAYS = 3  # that are tried
 _GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
@@ -63,7 +64,8 @@ def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[
     hand.
 
     Raises:
-        AlgorithmError: thumb and fingers can't close there, it is out of reach, or something is in the way; says so.
+        AlgorithmError: thumb and fingers can't close there, it is out of reach, something is in the way, or the hand
+            can't bring it where it is to go; says so.
     """
     gaze, taken, boxes = Looking(task, part.site.place), dict[str, list[Grip]](), kept_from(task, part)
     yield gaze.alone()
@@ -103,6 +105,8 @@ def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[
         raise refused
     if best is not one and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
+    if short := _short(task, best.part, best.plan, best.made):
+        raise AlgorithmError(short)
     side = best.plan.reacher.side
     refuse_touching(task, side, *_shown(best.made, best.back(task)), beside(task))
     yield rows_made(task, best.made)
@@ -148,6 +152,8 @@ def _tried(
 
     def flaw(plan: Plan, made: Performed) -> float:
         missed = max(_missed(task, part, plan, made) - _MISSED, 0.0)
+        if _short(task, part, plan, made):
+            missed += _SHORT
         if not boxes:
             return missed
         gap = gap_of(task, plan.reacher.side, *_shown(made, _back(task, part, plan, made)), beside(task))
@@ -201,6 +207,18 @@ def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
     got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
     turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
     return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned)[holds].max())
+
+
+def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:
+    """Why the part does not come to where it is to go; "" where it does, or nobody can tell."""
+    if part.short is None:
+        return ""
+    then, closed = _moved(task, part, plan.palm)
+    held = np.flatnonzero(closed == 1.0) - len(then)
+    first, last = (
+        grips(task.human, made.rotations[[k]], made.root[[k]])[0, plan.reacher.row] for k in (held[0], held[-1])
+    )
+    return part.short(first, last)
 
 
 def rows_made(task: HumanTask, made: Performed) -> Array:

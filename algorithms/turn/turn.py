@@ -13,7 +13,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.pinching import Part, pinched
 from ahmss.body.array import Array
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 
 TURNS = 0.75  # seconds
@@ -41,18 +41,33 @@ def turn(task: HumanTask) -> Iterator[Array]:
     angle = _wanted(task, told, now) - now
     along = task.parameter("along", 0.5)
     site = _about(pivot, axis, now, task.site)
+    positions: dict[str, float] = {str(name): float(at) for name, at in told.get("positions", {}).items()}
+    off = site.place - pivot
+    on_axis = float(np.linalg.norm(off - (off @ axis) * axis)) <= ON_AXIS
 
     def turned(along: float) -> Part:
         def way(share: Array) -> tuple[Array, Array]:
             around = from_axis_angle(axis, angle * share)
             return pivot + rotate(around, site.place - pivot), from_axis_angle(axis, along * angle * share)
 
-        return Part(site, way, TURNS)
+        return Part(site, way, TURNS, short=short if on_axis else None)
+
+    def short(before: Array, after: Array) -> str:
+        """Why it comes to rest elsewhere, as `turned` has it: where the wrist does not turn so far."""
+        turn = multiply(after[3:], conjugate(before[3:]))
+        made = 2.0 * float(np.arctan2(turn[1:] @ axis, turn[0]))
+        made = (made + np.pi) % (2.0 * np.pi) - np.pi
+        rests = min(positions.values(), key=lambda position: abs(position - now - made / along), default=now + angle)
+        if abs(rests - now - angle) < NEAR:
+            return ""
+        asked, by = np.degrees(abs(along * angle)), np.degrees(abs(made))
+        low, high = sorted((now, now + angle))
+        between = [name for name, at in positions.items() if low + NEAR < at < high - NEAR]
+        other = f"turn it to {between[0]} first, or " if between else ""
+        return f"the wrist turns {by:.0f} of {asked:.0f} degrees on {thing.name} from here; {other}come from elsewhere"
 
     # What is turned about its own middle is told by the palm's turn how far: there it has to make its share.
-    off = site.place - pivot
-    aside = float(np.linalg.norm(off - (off @ axis) * axis))
-    other = turned(0.5 * along) if along > HALF and aside > ON_AXIS else None
+    other = turned(0.5 * along) if along > HALF and not on_axis else None
     return pinched(task, turned(along), other)
 
 

@@ -104,6 +104,14 @@ def test_no_such_position_is_refused_with_those_that_there_are() -> None:
         moved("rotary_switch", "turn", {}, 90.0, "ken", position="hot")
 
 
+def test_what_the_wrist_does_not_turn_far_enough_is_told_and_not_left_half_way() -> None:
+    """The hand would have to turn by 171 degrees with it."""
+    it, body = control("rotary_switch", 90.0, 0.8), Body("aiko", 0.0, 0.1, 0.0)
+    start = Layout((it,)).start(it, body, "turn", {"turn": 0.0}, parameters={"along": 1.9, "position": "high"})
+    with pytest.raises(AlgorithmError, match=r"the wrist turns \d+ of 171 degrees on .*; turn it to low first, or"):
+        used(body, msgspec.structs.replace(start, hand="left"), "turn")
+
+
 def test_neighbours_of_a_lever_are_left_alone() -> None:
     levers = [control("lever", 60.0, number=i + 1, aside=0.09 * (i - 2)) for i in range(5)]
     body = Body("aiko", 0.0, 0.1, 0.0)
