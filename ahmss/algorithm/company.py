@@ -22,8 +22,11 @@ __all__ = ["Watching", "aside_of", "eye_of", "settled"]
 _EYES = "eyes"
 _BEHIND = np.radians(115.0)  # from straight ahead: farther round neither neck nor waist goes
 _SECONDS = 0.3  # in which the gaze comes and goes
+_FASTEST = np.radians(240.0)  # a second, that the head turns at the most: who is farther aside is looked at more slowly
+_PEAK = 1.875  # of a minimum-jerk way, against its mean speed
 _SHARE = 0.9  # of the angle to a place that the head makes, the rest is the eyes'
 _HEAD = INDEX["head"]
+_FACES = np.array([0.0, 0.0, -1.0])  # in the head: where it looks
 
 
 def eye_of(task: HumanTask) -> Array:
@@ -82,7 +85,8 @@ class Watching:
     def gaze(self, yaw: float = 0.0, pitch: float = 0.0, frame: float = 1e9, length: float = 0.0) -> Array:
         """The gaze's target (8): their eyes, or beside them by angles to the left and down, radians.
 
-        frame, length: it comes in the first 0.3 seconds, and goes in the last of so many frames; 0: it stays.
+        frame, length: it comes in the first 0.3 seconds, longer where the head has far to turn, and goes in as many at
+        the end of so many frames; 0: it stays.
         """
         eye = eye_of(self.task)
         way = self.eyes - eye
@@ -90,7 +94,11 @@ class Watching:
         bearing = np.arctan2(way[1], way[0]) + yaw / _SHARE
         down = np.arctan2(-way[2], level) + pitch / _SHARE
         ahead = np.array([np.cos(down) * np.cos(bearing), np.cos(down) * np.sin(bearing), -np.sin(down)])
-        weight = minimum_jerk(np.array(frame / (_SECONDS * self.task.rate)))
+        _, turned = forward(self.task.start.rotations, self.task.start.root, self.task.human.offsets)
+        faced = rotate(turned[_HEAD], _FACES)
+        angle = float(np.arccos(np.clip(faced @ ahead, -1.0, 1.0)))
+        frames = max(_SECONDS, _PEAK * angle / _FASTEST) * self.task.rate
+        weight = minimum_jerk(np.array(frame / frames))
         if length:
-            weight = weight * minimum_jerk(np.array((length - frame) / (_SECONDS * self.task.rate)))
+            weight = weight * minimum_jerk(np.array((length - frame) / frames))
         return np.array([*(eye + np.linalg.norm(way) * ahead), 0.0, 0.0, 0.0, 0.0, float(weight)])

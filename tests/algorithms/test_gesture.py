@@ -212,3 +212,14 @@ def test_who_holds_something_waves_with_the_other_hand() -> None:
     body, shown = made("ken", "wave", busy=["right"])
     assert grips(body.skeleton, shown[90].rotations, shown[90].root)[1, 2] > 1.3
     assert grips(body.skeleton, shown[90].rotations, shown[90].root)[0, 2] < 1.0
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_head_takes_longer_to_who_is_farther_aside(name: str) -> None:
+    begun = Body(name, facing=0.0)
+    _, shown = made(name, "wave", whom=(0.2, 2.0))
+    rotations = np.array([begun.rotations, *(pose.rotations for pose in shown)])
+    _, turned = forward(rotations, np.repeat(begun.root[None], len(rotations), axis=0), begun.skeleton.offsets)
+    steps = multiply(conjugate(turned[:-1, INDEX["head"]]), turned[1:, INDEX["head"]])
+    fastest = np.degrees(np.linalg.norm(to_rotation_vector(steps), axis=-1)).max()
+    assert 3.0 < fastest < 6.0
