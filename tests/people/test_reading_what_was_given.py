@@ -37,6 +37,10 @@ def test_a_manual_is_opened_where_the_other_hand_comes_to_its_pages(hand: str, t
     pages = [state["page"] for state in states]
     assert sorted(set(pages)) == [0.0, 1.0, 2.0]
     assert states[-1]["cover"] == "open"
+    aiko = Recorded.read(recording, "aiko", ("manual",))
+    palms = np.stack([aiko.grip(side).rotation for side in (0, 1)])
+    cos = np.abs((palms[:, 1:] * palms[:, :-1]).sum(axis=-1))
+    assert np.degrees(2.0 * np.arccos(np.clip(cos, 0.0, 1.0))).max() < 8.5
 
 
 BACK = """
