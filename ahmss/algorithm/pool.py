@@ -257,14 +257,13 @@ def _be_worker(notice: int) -> None:
 
 
 def _has_closed(main: socket.socket) -> bool:
-    """Whether the other end is closed; not where an event was another's. Nothing is ever sent from there."""
+    """Whether the other end is closed; not where an event was another's, or something was sent that nobody asked for."""
     try:
-        main.recv(1, socket.MSG_PEEK)
+        return not main.recv(_LARGEST_NOTICE)
     except BlockingIOError:
         return False
     except OSError:  # reset
         return True
-    return True
 
 
 def _kill_group(pid: int) -> None:
