@@ -257,7 +257,7 @@ def _be_worker(notice: int) -> None:
 
 
 def _has_closed(main: socket.socket) -> bool:
-    """Whether the other end is closed; not where an event was another's, or something was sent that nobody asked for."""
+    """Whether the other end is closed; not where an event was another's, or something was sent."""
     try:
         return not main.recv(_LARGEST_NOTICE)
     except BlockingIOError:
