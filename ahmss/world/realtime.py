@@ -125,9 +125,7 @@ class RealTimeServer(Server):
     def _publish(self, now: float) -> None:
         self.flush()
         self.space.settle()
-        self.keep(
-            self.space.take_changes()
-        )  # first: what was seen outlives a killed server
+        self.keep(self.space.take_changes())  # first: what was seen outlives a killed server
         self.publisher.publish(self.tick, now, self.tick_s)
         self.intake.frames.clear()
 
