@@ -169,7 +169,7 @@ class _Pool:
 
     def _orphan(self, member: _Worker) -> None:
         """A main has closed its connection: its child has a moment to see that by itself."""
-        if member.main is not None and _has_closed(member.main):
+        if member.main is not None:
             self._forget(member.main.fileno())
             member.orphaned = time.monotonic()
 
@@ -254,16 +254,6 @@ def _be_worker(notice: int) -> None:
         worker.serve(socket.socket(fileno=_LISTENER), socket.socket(fileno=_LISTENER + 1))
     finally:
         os._exit(1)
-
-
-def _has_closed(main: socket.socket) -> bool:
-    """Whether the other end is closed; not where an event was another's, or something was sent."""
-    try:
-        return not main.recv(_LARGEST_NOTICE)
-    except BlockingIOError:
-        return False
-    except OSError:  # reset
-        return True
 
 
 def _kill_group(pid: int) -> None:

@@ -109,7 +109,7 @@ def _take(listener: socket.socket, pool: socket.socket, own: int) -> Request | N
             if len(descriptors) != 3:
                 return None
             _tell(pool, data, connection)
-            socket.send_fds(connection, [GREETING.pack(os.getpid())], [own])
+            _greet(connection, own)
             for number, descriptor in enumerate(descriptors):
                 os.dup2(descriptor, number)
         finally:
@@ -122,6 +122,14 @@ def _tell(pool: socket.socket, data: bytes, connection: socket.socket) -> None:
     """Tell the pool what was taken. Without a pool nobody would see to the child's end: then this ends instead."""
     try:
         socket.send_fds(pool, [data], [connection.fileno()])
+    except OSError:
+        os._exit(0)
+
+
+def _greet(connection: socket.socket, own: int) -> None:
+    """Tell main who works for it. Where that main is gone this ends: to the pool it is that one's, and no other's."""
+    try:
+        socket.send_fds(connection, [GREETING.pack(os.getpid())], [own])
     except OSError:
         os._exit(0)
 

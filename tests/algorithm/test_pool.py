@@ -12,10 +12,12 @@ import threading
 import time
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for, walk_clip
 
+from ahmss.algorithm.child import Request
 from ahmss.algorithm.hire import Pool
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.process import Answer, Deadlines, Note, Phase
@@ -185,6 +187,25 @@ def test_notes_come_before_the_pose_the_end_and_the_error(warm_launcher, make_st
 def test_a_python_algorithm_that_crashes_is_told_by_its_signal(warm_launcher, make_start):
     process = warm_launcher.start(tells("abort"), make_start())
     assert "tells at frame 3: it was killed by SIGABRT" in failure(warm_launcher, process, 4)
+
+
+def test_who_was_asked_by_a_main_that_has_gone_does_not_die_for_it_in_the_service_of_another(own_pool, make_start):
+    # A pool ends the workers of a main that is gone, a second later.
+    with launcher_of(own_pool) as launcher, open(os.devnull, "r+b", buffering=0) as nowhere:
+        request = msgspec.json.encode(Request((str(PEERS / "tells.py"),), str(PEERS)))
+        for _ in range(3):
+            gone_at_once = own_pool.connect()
+            socket.send_fds(gone_at_once, [request], [nowhere.fileno()] * 3)
+            gone_at_once.close()
+            time.sleep(0.1)  # the pool sees it go
+        processes = [launcher.start(tells(), make_start()) for _ in range(8)]
+        until = time.monotonic() + 1.5
+        for process in processes:
+            facts(launcher, process)
+        while time.monotonic() < until:
+            time.sleep(0.05)
+            launcher.tend()
+        assert [process.phase for process in processes] == [Phase.RUNNING] * 8, [p.failure for p in processes]
 
 
 def test_the_waiting_workers_of_a_pool_that_was_killed_end(own_pool, make_start):
