@@ -135,7 +135,6 @@ def serve(function: Function, channel: Channel) -> None:
     performance = Performance(function, decode_start(message[1]))
     channel.write(encode(Kind.READY, msgspec.json.encode(Ready())))
     kind = Kind.POSE if performance.task.message.kind == "human" else Kind.OBJECT
-    header = HEADER.pack(performance.width * 8, kind)
     try:
         while (message := channel.read()) is not None and message[0] != Kind.STOP:
             if message[0] != Kind.FRAME:
@@ -143,7 +142,7 @@ def serve(function: Function, channel: Channel) -> None:
             if not performance.step(_numbers(message[1])):
                 channel.write(*_notes(performance), encode(Kind.DONE))
                 return
-            _answer(channel, performance, header)
+            _answer(channel, performance, kind)
             if performance.over:
                 return
     except Exception:
@@ -161,9 +160,10 @@ def _numbers(payload: memoryview) -> Array:
     return np.frombuffer(payload, "<f8")
 
 
-def _answer(channel: Channel, performance: Performance, header: bytes) -> None:
+def _answer(channel: Channel, performance: Performance, kind: Kind) -> None:
     """Send what changed and what is noted, the pose, and DONE behind the last one, all in one write."""
-    parts = [*_notes(performance), header, performance.row.data.cast("B")]
+    row = performance.row
+    parts = [*_notes(performance), HEADER.pack(row.nbytes, kind), row.data.cast("B")]
     if performance.states and performance.task.object is not None:
         parts.insert(0, encode_state(State(performance.task.object.id, dict(performance.states))))
     if performance.over:

@@ -6,23 +6,29 @@ import math
 
 import numpy as np
 
-from ahmss.algorithm.messages import TARGETS
+from ahmss.algorithm.messages import POSE, TARGETS, size
 from ahmss.body.array import Array
 from ahmss.body.links import LINKS
 from ahmss.errors import ProtocolError
 
 __all__ = ["check_human", "check_object"]
 
+_POSE = size(POSE)
 _TOLERANCE = 1e-3  # how far from 1 the squared length of a quaternion may be
 _LARGEST = 1e8  # no place, no frame is so far
 
 
 def check_human(row: Array, k: int) -> None:
-    """A POSE row (260,): k as asked, all numbers finite, quaternions unit, importances >= 0, targets sensible.
+    """A POSE row (260,), or (272,) with a way: k as asked, quaternions unit, importances >= 0, targets sensible.
+
+    All numbers must be finite; a way may be NaN as a whole, where it is not known.
 
     Raises:
         ProtocolError: names what is wrong and where.
     """
+    if len(row) > _POSE:
+        _check_way(row[_POSE:])
+        row = row[:_POSE]
     _check_frame(row, k)
     rotations = row[4:176].reshape(43, 4)
     off = np.vecdot(rotations, rotations) - 1.0
@@ -60,6 +66,17 @@ def _check_frame(row: Array, k: int) -> None:
     if not abs(row[bad]) < _LARGEST:
         raise ProtocolError(f"number {bad} of its pose is {row[bad]:g}")
     raise ProtocolError(f"it sent frame {row[0]:g} where frame {k} was asked for")
+
+
+def _check_way(way: Array) -> None:
+    """That all numbers are finite and no larger than can be meant, or all of them NaN."""
+    with np.errstate(all="ignore"):
+        if way.dot(way) < _LARGEST**2:
+            return
+    bad = ~(np.abs(way) < _LARGEST)
+    if not np.isnan(way).all():
+        first = int(np.argmax(bad))
+        raise ProtocolError(f"number {first} of its way is {way[first]:g}; metres are expected, or NaN for all twelve")
 
 
 def _check_lengths(off: Array) -> None:

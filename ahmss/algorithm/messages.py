@@ -20,6 +20,7 @@ from msgspec import UNSET, Meta, UnsetType
 
 from ahmss.body.array import Array
 from ahmss.errors import ProtocolError
+from ahmss.motion.way import AHEAD, WAY_WIDTH
 
 __all__ = [
     "FRAME_HUMAN",
@@ -31,6 +32,7 @@ __all__ = [
     "POSE",
     "TARGETS",
     "VERSION",
+    "WAY",
     "Field",
     "Goal",
     "Kind",
@@ -109,6 +111,10 @@ POSE = (
     Field("rotations", 172, "43 unit quaternions wxyz, parent <- child; the first is world <- hips"),
     Field("importance", 44, "how much this motion cares for each joint, >= 0; the last is the root's"),
     Field("targets", 40, f"5 rows ({', '.join(TARGETS)}) of place 3, quaternion 4 (zeros: free), weight 0 to 1"),
+)
+_SOON = ", ".join(f"{seconds:g}" for seconds in AHEAD)
+WAY = (
+    Field("way", WAY_WIDTH, f"x and y in the world, metres, where the hips will be in {_SOON} s; all NaN: not known"),
 )
 OBJECT = (
     Field("k", 1, "the frame this is, as asked"),

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ahmss.algorithm.messages import OBJECT, POSE, Start, size
+from ahmss.algorithm.messages import OBJECT, POSE, WAY, Start, size
 from ahmss.algorithm.pose import HumanPose, ObjectPose
 from ahmss.algorithm.task import HumanTask, ObjectTask
 from ahmss.body.array import Array
@@ -19,23 +19,25 @@ __all__ = ["Answer", "Function", "Performance", "frames"]
 _NOTHING: Mapping[str, Any] = {}
 Answer = HumanPose | ObjectPose | Array
 Function = Callable[[Any], Iterable[Answer] | Array]
-"""HumanTask or ObjectTask to poses: a generator, any iterable, or an array of POSE rows (N, 260)."""
+"""HumanTask or ObjectTask to poses: a generator, any iterable, or an array of POSE rows (N, 260) or (N, 272)."""
 
 
 class Performance:
     """One motion by one author's function; `step` answers a frame.
 
-    `row` is the last answer as a POSE (260,) or OBJECT (8,) row, `states` the states that it changed.
+    `row` is the last answer as a POSE (260,), with a way (272,), or OBJECT (8,) row, `states` the states that it
+    changed.
     """
 
     def __init__(self, function: Function, start: Start) -> None:
         self.task = HumanTask(start) if start.kind == "human" else ObjectTask(start)
-        self.width = size(POSE) if start.kind == "human" else size(OBJECT)
+        narrow = size(POSE) if start.kind == "human" else size(OBJECT)
+        self._widths = (narrow, narrow + size(WAY)) if start.kind == "human" else (narrow,)
         self._pose_type: type[HumanPose | ObjectPose] = HumanPose if start.kind == "human" else ObjectPose
-        self._row = np.zeros(self.width)
+        self._row = np.zeros(self._widths[-1])
         self._function = function
         self._answers: Iterator[Answer] | None = None
-        self._block = np.zeros((0, self.width))
+        self._block = np.zeros((0, narrow))
         self._next = 0
         self._noted = 0
         self._whole = False  # the block is all that will come
@@ -92,15 +94,16 @@ class Performance:
             return len(self._block) > 0 or self._advance()
         if not isinstance(answer, self._pose_type):
             raise TypeError(f"expected a {self._pose_type.__name__} (see task.pose), got {type(answer).__name__}")
-        answer.pack(self._row)
-        self.row = self._row
+        self.row = self._row[: answer.width]
+        answer.pack(self.row)
         self.states = self._changed(answer.states)
         return True
 
     def _take_block(self, rows: Array) -> None:
         """Rows to be given out one a frame."""
-        if rows.ndim != 2 or rows.shape[1] != self.width:
-            raise ShapeError(f"a block of poses is (N, {self.width}) (see task.block), not {rows.shape}")
+        if rows.ndim != 2 or rows.shape[1] not in self._widths:
+            allowed = " or ".join(f"(N, {width})" for width in self._widths)
+            raise ShapeError(f"a block of poses is {allowed} (see task.block), not {rows.shape}")
         self._block = np.ascontiguousarray(rows, dtype=np.float64)
         if not self._block.flags.writeable:
             self._block = self._block.copy()
@@ -165,5 +168,5 @@ def _asked(performance: Performance, start: Start, humans: Iterable[Array] | Non
 def _with_states(pose: HumanPose | ObjectPose, states: Mapping[str, Any]) -> HumanPose | ObjectPose:
     """The pose with the states that it changed."""
     if isinstance(pose, HumanPose):
-        return HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, states)
+        return HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, states, pose.way)
     return ObjectPose(pose.place, pose.rotation, states)

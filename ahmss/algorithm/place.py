@@ -61,7 +61,8 @@ class WorldObject:
     only, counter-clockwise, without holes; empty where algorithm.toml does not ask for `footprints`, and for what is
     under 5 cm, over 1.9 m, or in the hands of the acting human. seen: of a human, the last frames in which it moved:
     the frame, x and y, and which way they faced, radians. moved: of a human, where sites that move by themselves are
-    in the world, by their ids.
+    in the world, by their ids. way: of a human, where they mean to be, (6, 2) metres at the seconds of
+    `ahmss.motion.way.AHEAD` from now; None where they tell none, or algorithm.toml does not ask for `ways`.
     shape: of the target, where algorithm.toml asks for `shape` and it has one; read when first looked at.
     """
 
@@ -77,6 +78,7 @@ class WorldObject:
     shape: TargetShape | None = field(default=None, compare=False)
     seen: deque[tuple[float, float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
     moved: dict[int, Transform] = field(default_factory=dict[int, Transform], repr=False, compare=False)
+    way: Array | None = field(default=None, repr=False, compare=False)
 
     @classmethod
     def of(cls, record: ObjectRecord) -> WorldObject:

@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from ahmss.algorithm.messages import OBJECT, POSE, TARGETS, size
+from ahmss.algorithm.messages import OBJECT, POSE, TARGETS, WAY, size
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.errors import ShapeError
+from ahmss.motion.way import known
 
 __all__ = ["HumanPose", "ObjectPose", "block", "importance_of", "target_rows"]
 
 HUMAN_ROW = size(POSE)
+WAY_ROW = HUMAN_ROW + size(WAY)
 OBJECT_ROW = size(OBJECT)
 _EVERYTHING = np.ones(len(INDEX) + 1)
 _NO_TARGETS = np.zeros((len(TARGETS), 8))
@@ -27,7 +29,8 @@ class HumanPose:
 
     rotations (43, 4) unit, parent <- child; root (3,) metres; importance (44,) >= 0, the root's last; targets (5, 8):
     right hand, left hand, right foot, left foot, gaze, each place, rotation (zeros: free), weight 0 to 1. `states` are
-    states of the target object that this frame changes.
+    states of the target object that this frame changes. way (6, 2): where the human will be, see `ahmss.motion.way`;
+    None: it is not told.
     """
 
     rotations: Array
@@ -35,9 +38,15 @@ class HumanPose:
     importance: Array = field(default_factory=lambda: _EVERYTHING)
     targets: Array = field(default_factory=lambda: _NO_TARGETS)
     states: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    way: Array | None = None
+
+    @property
+    def width(self) -> int:
+        """How many numbers its POSE row has: 260, or 272 with a way."""
+        return HUMAN_ROW if self.way is None else WAY_ROW
 
     def pack(self, row: Array) -> None:
-        """Write this into a POSE row (260,), but for k.
+        """Write this into a POSE row (260,) or (272,), as wide as `width`, but for k.
 
         Raises:
             ShapeError: an array of another shape.
@@ -47,17 +56,21 @@ class HumanPose:
             row[4:176] = np.reshape(self.rotations, 172)
             row[176:220] = self.importance
             row[220:260] = np.reshape(self.targets, 40)
+            if self.way is not None:
+                row[HUMAN_ROW:] = np.reshape(self.way, WAY_ROW - HUMAN_ROW)
         except ValueError:
+            told = "" if self.way is None else f" and {np.shape(self.way)}"
             raise ShapeError(
-                "a pose needs root (3,), rotations (43, 4), importance (44,) and targets (5, 8); these are "
-                f"{np.shape(self.root)}, {np.shape(self.rotations)}, {np.shape(self.importance)}, "
-                f"{np.shape(self.targets)}"
+                "a pose needs root (3,), rotations (43, 4), importance (44,), targets (5, 8) and, where it tells one, "
+                f"a way (6, 2); these are {np.shape(self.root)}, {np.shape(self.rotations)}, "
+                f"{np.shape(self.importance)}, {np.shape(self.targets)}{told}"
             ) from None
 
     @classmethod
     def of(cls, row: Array) -> HumanPose:
-        """The pose in a POSE row (260,), as views."""
-        return cls(row[4:176].reshape(43, 4), row[1:4], row[176:220], row[220:260].reshape(5, 8))
+        """The pose in a POSE row (260,) or (272,), as views."""
+        way = known(row[HUMAN_ROW:]) if len(row) > HUMAN_ROW else None
+        return cls(row[4:176].reshape(43, 4), row[1:4], row[176:220], row[220:260].reshape(5, 8), way=way)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +80,11 @@ class ObjectPose:
     place: Array
     rotation: Array
     states: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+    @property
+    def width(self) -> int:
+        """How many numbers its OBJECT row has."""
+        return OBJECT_ROW
 
     def pack(self, row: Array) -> None:
         """Write this into an OBJECT row (8,), but for k.
@@ -125,29 +143,38 @@ def target_rows(targets: Mapping[str, Array]) -> Array:
     return rows
 
 
-def block(rotations: Array, root: Array, importance: Array | None = None, targets: Array | None = None) -> Array:
+def block(
+    rotations: Array,
+    root: Array,
+    importance: Array | None = None,
+    targets: Array | None = None,
+    ways: Array | None = None,
+) -> Array:
     """Many frames at once: POSE rows (N, 260), which the runtime sends one by one without a thought between.
 
     Args:
         rotations: (N, 43, 4). root: (N, 3). importance: (44,) or (N, 44), all 1 if left out.
         targets: (5, 8) or (N, 5, 8), none if left out.
+        ways: (N, 6, 2) or (6, 2), where the human will be, see `ahmss.motion.way`; with them the rows are (N, 272).
 
     Raises:
         ShapeError: the arrays do not fit.
     """
-    rows = np.zeros((len(rotations), HUMAN_ROW))
+    rows = np.zeros((len(rotations), HUMAN_ROW if ways is None else WAY_ROW))
     try:
         rows[:, 1:4] = root
         rows[:, 4:176] = np.reshape(rotations, (-1, 172))
         rows[:, 176:220] = 1.0 if importance is None else importance
         if targets is not None:
-            rows[:, 220:] = np.reshape(targets, (-1, 40))
+            rows[:, 220:HUMAN_ROW] = np.reshape(targets, (-1, 40))
+        if ways is not None:
+            rows[:, HUMAN_ROW:] = np.reshape(ways, (-1, WAY_ROW - HUMAN_ROW))
     except ValueError:
         shapes = ", ".join(
-            "none" if array is None else str(array.shape) for array in (rotations, root, importance, targets)
+            "none" if array is None else str(array.shape) for array in (rotations, root, importance, targets, ways)
         )
         raise ShapeError(
             "a block needs rotations (N, 43, 4), root (N, 3), importance (44,) or (N, 44), targets (5, 8) or "
-            f"(N, 5, 8); these are {shapes}"
+            f"(N, 5, 8), ways (6, 2) or (N, 6, 2); these are {shapes}"
         ) from None
     return rows

@@ -15,7 +15,7 @@ import numpy as np
 
 from ahmss.algorithm.check import check_human, check_object
 from ahmss.algorithm.child import Child, Hired, describe
-from ahmss.algorithm.messages import HEADER, OBJECT, POSE, Kind, State, decode_ready, decode_state, encode, size
+from ahmss.algorithm.messages import HEADER, OBJECT, POSE, WAY, Kind, State, decode_ready, decode_state, encode, size
 from ahmss.algorithm.silence import Silence
 from ahmss.algorithm.stream import Inbound, Log, Outbound
 from ahmss.body.array import Array
@@ -24,6 +24,8 @@ from ahmss.errors import AlgorithmError, ProtocolError
 __all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Note", "Phase"]
 
 _FRAME_NUMBER = struct.Struct("<d")
+_POSE_BYTES = (8 * size(POSE), 8 * size(POSE + WAY))
+_OBJECT_BYTES = (8 * size(OBJECT),)
 _STOP = encode(Kind.STOP)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
 _LOG_EACH = 8  # times that it is tended, to one look at its log
@@ -42,7 +44,10 @@ class Phase(Enum):
 
 
 class Answer(NamedTuple):
-    """A frame that was asked for: k, and the POSE row (260,) or OBJECT row (8,), checked, the caller's to keep."""
+    """A frame that was asked for: k, and its row, checked, the caller's to keep.
+
+    A POSE row is (260,), with a way (272,); an OBJECT row (8,).
+    """
 
     k: int
     row: Array
@@ -108,7 +113,7 @@ class AlgorithmProcess:
         self._child = child
         self._deadlines = deadlines
         self._check = check_human if human else check_object
-        self._kind, self._size = (Kind.POSE, size(POSE) * 8) if human else (Kind.OBJECT, size(OBJECT) * 8)
+        self._kind, self._sizes = (Kind.POSE, _POSE_BYTES) if human else (Kind.OBJECT, _OBJECT_BYTES)
         self._outbound = Outbound(child.pipes.input)
         self._inbound = Inbound(child.pipes.output)
         self._log = Log(child.pipes.error)
@@ -268,8 +273,9 @@ class AlgorithmProcess:
 
     def _answer(self, payload: memoryview) -> None:
         """A POSE or OBJECT."""
-        if len(payload) != self._size:
-            raise ProtocolError(f"its {self._kind.name} is {len(payload)} bytes long, not {self._size}")
+        if len(payload) not in self._sizes:
+            allowed = " or ".join(map(str, self._sizes))
+            raise ProtocolError(f"its {self._kind.name} is {len(payload)} bytes long, not {allowed}")
         if not self.pending:
             raise ProtocolError("it sent a frame though none was asked for")
         row = np.frombuffer(payload, "<f8").copy()

@@ -254,6 +254,7 @@ class HumanTask(Task):
         importance: Array | Mapping[str, float] | None = None,
         targets: Array | Mapping[str, Array] | None = None,
         states: Mapping[str, Any] | None = None,
+        way: Array | None = None,
     ) -> HumanPose:
         """The answer to a frame.
 
@@ -263,6 +264,7 @@ class HumanTask(Task):
             importance: (44,), or by name as `importance_of`. If left out: 1 for what was given, 0 for the rest.
             targets: (5, 8), or by name as `target_rows`; none if left out.
             states: states of the target object that this frame changes.
+            way: (6, 2), where the human will be, told to the others; see `ahmss.motion.way`. Not told if left out.
         """
         if importance is None:
             importance = self._importance_of_given(rotations, root)
@@ -281,13 +283,22 @@ class HumanTask(Task):
             importance,
             np.zeros((5, 8)) if targets is None else targets,
             states or {},
+            way,
         )
 
     def block(
-        self, rotations: Array, root: Array, importance: Array | None = None, targets: Array | None = None
+        self,
+        rotations: Array,
+        root: Array,
+        importance: Array | None = None,
+        targets: Array | None = None,
+        ways: Array | None = None,
     ) -> Array:
-        """Many frames at once, to be returned or yielded as one: (N, 260), see `ahmss.algorithm.pose.block`."""
-        return block(rotations, root, importance, targets)
+        """Many frames at once, to be returned or yielded as one: (N, 260), (N, 272) with ways.
+
+        See `ahmss.algorithm.pose.block`.
+        """
+        return block(rotations, root, importance, targets, ways)
 
     @staticmethod
     def _importance_of_given(rotations: Array | Mapping[str, Array], root: Array | None) -> Array:

@@ -20,11 +20,14 @@ from ahmss.body.inverse import GAZE, grips, solve
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
 from ahmss.body.target_inertialisation import TargetInertialiser
+from ahmss.motion.way import UNKNOWN, known
 
 __all__ = ["Blending", "Contribution"]
 
 _ROOT, _ROTATIONS, _IMPORTANCE, _TARGETS = slice(1, 4), slice(4, 176), slice(176, 220), slice(220, 260)
 _DRIVEN = np.array([INDEX[name] for name in ("right_hand", "left_hand", "right_foot", "left_foot", "head")])
+_POSE = 260  # numbers of a POSE without a way
+_ROOT_IMPORTANCE = 219
 _NOBODY = 1e-12
 _LEAST = 1e-3  # the importance that a target has at least, for the sake of a motion that gives a target alone
 _JUMP = 0.2  # a joint of which more than this share changes hands in one frame has a new source
@@ -50,17 +53,23 @@ Rows = NDArray[np.bool_]
 
 
 class Contribution:
-    """What one motion gives to the blend: its newest frame, a POSE row (260,)."""
+    """What one motion gives to the blend: its newest frame, a POSE row (260,), and the way that it tells, or None."""
 
-    __slots__ = ("number", "previous_root", "row")
+    __slots__ = ("number", "previous_root", "row", "way")
 
     def __init__(self, number: int, row: Array) -> None:
-        self.number, self.row = number, row
+        self.number = number
+        self._take(row)
         self.previous_root = row[_ROOT]
 
     def advance(self, row: Array) -> None:
-        """Its next frame has come."""
-        self.previous_root, self.row = self.row[_ROOT], row
+        """Its next frame has come, (260,) or (272,)."""
+        self.previous_root = self.row[_ROOT]
+        self._take(row)
+
+    def _take(self, row: Array) -> None:
+        self.row = row[:_POSE]
+        self.way = known(row[_POSE:]) if len(row) > _POSE else None
 
     def hold(self) -> None:
         """Its next frame has not come: it stays where it is."""
@@ -75,7 +84,8 @@ class Contribution:
 class Blending:
     """One human's pose, frame after frame.
 
-    rotations (43, 4), root (3,) and grips (2, 7) are what the world is shown.
+    rotations (43, 4), root (3,) and grips (2, 7) are what the world is shown. way (6, 2) is told with them: that of the
+    motion which takes the root along, NaN where none tells one.
     """
 
     def __init__(self, skeleton: Skeleton, rotations: Array, root: Array, rate: float) -> None:
@@ -89,6 +99,7 @@ class Blending:
         """Stand still in a pose."""
         self.rotations, self.root = rotations.copy(), root.copy()
         self.grips = grips(self.skeleton, rotations, root)
+        self.way = UNKNOWN
         self._source, self._source_root = self.rotations, self.root
         # The last two frames, newest last: before the targets were solved, and as they were shown.
         self._plain = self._shown = (self.rotations, self.rotations)
@@ -109,6 +120,7 @@ class Blending:
 
     def step(self, motions: Sequence[Contribution]) -> None:
         """Make the next frame out of the motions' newest ones; with none the body comes to rest."""
+        self.way = _way(motions)
         if not motions and self.resting:
             return
         claims = [motion.claims for motion in motions]
@@ -214,6 +226,15 @@ class Blending:
         for end in np.flatnonzero(gone[:GAZE] > _JUMP):  # a limb that loses its target falls back to its own rotations
             joints[_CHAINS[end]] = lost[_CHAINS[end]] = True
         return joints, lost, bool(switched[43]) or _gains_one_owner(shares, before), switched[44:]
+
+
+def _way(motions: Sequence[Contribution]) -> Array:
+    """The way (6, 2) of the motion, of those that tell one, to which the root matters most; NaN where none does."""
+    told = [motion for motion in motions if motion.way is not None]
+    if not told:
+        return UNKNOWN
+    way = max(told, key=lambda motion: motion.row[_ROOT_IMPORTANCE]).way
+    return UNKNOWN if way is None else way
 
 
 def _shares(motions: Sequence[Contribution]) -> dict[int, Array]:
