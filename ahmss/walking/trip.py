@@ -16,6 +16,7 @@ from ahmss.walking.catalogue import STRAIGHT, Key, Stride
 from ahmss.walking.clearing import held_arms
 from ahmss.walking.course import Course, NoWay, plan
 from ahmss.walking.hesitating import back, last_moment
+from ahmss.walking.hindering import in_vain, waits
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, footing, journey, onward, stride_at
 from ahmss.walking.journey import Stride as Walking
 from ahmss.walking.library import RATE, Library
@@ -23,7 +24,7 @@ from ahmss.walking.makingway import Option, cut, goes_first, held_up, meets, opt
 from ahmss.walking.nominal import clip_of, length_of
 from ahmss.walking.pacing import Paced
 from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, piece, standing_piece
-from ahmss.walking.walkers import LOOKED, Walker
+from ahmss.walking.walkers import LOOKED, MOVING, Walker
 from ahmss.walking.wayout import natural, touches
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
@@ -77,6 +78,7 @@ class Trip:
         self._arms: Array | None = None
         self._made = self._waited = 0  # frames: of the trip so far, and of these for how many one has waited
         self._asides = 0  # steps out of another's way
+        self._told = set[str]()  # why one waits: what has been told of it
         self._side, self._sided = 0.0, 0  # on which others are passed, and since which frame
         self._rate, self._rates = 1.0, (1.0, 1.0)  # frames of the clips that pass in one; the least and the most
         self._things = np.array([shapely.Polygon(ring) for ring in self.ground.outlines if len(ring) > 2], dtype=object)
@@ -123,7 +125,10 @@ class Trip:
         if near:
             with contextlib.suppress(NoWay):
                 return self._set_out(now, near), True
-        return self._set_out(now), not near
+        going = self._set_out(now)
+        if near:
+            self._tell_waiting(now)
+        return going, not near
 
     def _set_out(self, now: Footing, circles: Sequence[tuple[float, float, float]] = ()) -> Journey:
         course = self._course(now.place, now.heading, circles)
@@ -282,34 +287,35 @@ class Trip:
             try:
                 ahead = self._set_out(now, self._circles(now.place, self._nearer()))
             except NoWay:
+                self._course(now.place, now.heading, ())  # refused at once where there is none without others either
+                self._tell_waiting(now)
                 continue
             own = self._ahead(ahead, 0)
             if not looks and frame < _POLITE * RATE and goes_first(own, self.others(), _BESIDE):
+                self._tell_waiting(now)
                 continue
             if not self._held_up(own, begun=False):
                 return ahead  # pyright: ignore[reportReturnType]
-        raise AlgorithmError(self._in_the_way(now))
+            self._tell_waiting(now)
+        raise AlgorithmError(in_vain(self.others(), now.place, self.goal))
 
-    def _in_the_way(self, now: Footing) -> str:
-        """Who is waited for in vain: who stands at the goal, else who is nearest to the way."""
-        others = self.others()
-        there = [other for other in others if np.linalg.norm(other.place - self.goal) < _APART]
-        line = shapely.LineString(np.stack([now.place, self.goal]))
-        near = sorted(there or others, key=lambda other: float(line.distance(shapely.Point(other.place))))
-        name = (near[0].name if near else "") or "somebody"
-        if there:
-            x, y = self.goal.tolist()
-            return (
-                f"{name} stands in the way, where one is to stand ({x:.2f} {y:.2f}), and does not go; ask them to move"
-            )
-        return f"{name} stands in the way and does not go; take another way, or ask them to move"
+    def _tell_waiting(self, now: Footing) -> None:
+        """Tell for whom one waits, once each."""
+        told = waits(self.others(), now.place, self.goal)
+        if told not in self._told:
+            self._told.add(told)
+            self.note(told)
 
     def _held_up(self, own: Array, *, begun: bool) -> bool:
         """Whether others may come into the way of a walk along `own`; it counts how long one has waited for them."""
         return held_up(own, self.others(), self._nearer(), begun=begun, tired=self._waited > _TIRED * RATE)
 
     def _nearer(self) -> float:
-        """How much nearer to others (metres) one goes than at first, for having waited."""
+        """How much nearer to others (metres) one goes than at first, for having waited; of who all stand soon as near
+        as ever: they make no room by being waited for.
+        """
+        if self._waited > _POLITE * RATE and all(np.linalg.norm(other.velocity) < MOVING for other in self.others()):
+            return _IMPATIENT
         return _IMPATIENT * self._waited / (_PATIENCE * RATE)
 
     def _aside(self, now: Footing) -> Journey | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -164,6 +164,35 @@ def test_who_closes_the_way_is_waited_for() -> None:
     assert made.nearest() > APART
     waited = [count for count in made.pieces if count == 1]
     assert len(waited) > 20
+
+
+def test_it_is_told_at_once_and_once_for_whom_one_waits() -> None:
+    named = gone_after(5.0)
+    others = lambda seconds: [replace(other, name="aiko") for other in named(seconds)]  # noqa: E731
+    made = go((6.0, 0.0), 0.0, ground=Ground(CORRIDOR, ["wall"] * 4), others=others)
+    assert made.notes == ["waits for aiko, who is in the way"]
+
+
+def test_it_is_told_that_somebody_is_where_one_is_to_stand(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trip, "_PATIENCE", 0.3)
+    body, notes = m.subject("ken"), []
+    there = Walker(np.array([2.0, 0.1]), np.zeros(2), name="aiko")
+    one = Trip(body.skeleton, m.library(), Ground(), np.array([2.0, 0.0]), None, 0, lambda: (there,), notes.append)
+    pieces = one.pieces(*body.at((0.0, 0.0), 0.0))
+    next(pieces)
+    assert notes == ["waits for aiko, who is where one is to stand (2.00 0.00)"]
+    with pytest.raises(AlgorithmError, match="aiko stands in the way, where one is to stand"):
+        list(pieces)
+
+
+def test_who_stands_and_leaves_little_room_is_soon_gone_by() -> None:
+    """Between a panel that was moved up to the walker and somebody who stands there are 0.62 m."""
+    around = [box(-0.054, 0.586, 0.34, 0.98), box(0.6, 0.0, 0.1, 3.0), box(-0.4, -1.3, 2.2, 0.1)]
+    made = go((-1.5, 1.0), 180.0, ground=Ground(around, ["panel", "wall", "wall"]), others=standing(-0.684, -0.314))
+    check(made, (-1.5, 1.0), 180.0)
+    assert made.notes == ["waits for somebody, who is in the way"]
+    assert sum(count for count in made.pieces if count == 1) < 4.0 * RATE
+    assert made.nearest() > 0.42
 
 
 def gone_after(seconds: float) -> Others:
