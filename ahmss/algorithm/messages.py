@@ -175,6 +175,10 @@ class ObjectRecord(msgspec.Struct, frozen=True, omit_defaults=True):
         Meta(description="outlines of what it occupies for a walker, in its frame turned about z only, metres"),
     ] = []
     shape: Annotated[ShapeRecord | None, Meta(description="of the target, as algorithm.toml's `shape` asks")] = None
+    way: Annotated[
+        list[Point] | None,
+        Meta(description=f"of a human, as algorithm.toml's `ways` asks: where the hips will be in {_SOON} s, metres"),
+    ] = None
 
 
 class PoseRecord(msgspec.Struct, frozen=True):
@@ -217,6 +221,10 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     carried: Annotated[
         bool | UnsetType,
         Meta(description="if true, another motion carries the body: this one's hips, legs and root do not count"),
+    ] = UNSET
+    ways: Annotated[
+        bool | UnsetType,
+        Meta(description="if true, FRAME tells the way of each human that moved, as algorithm.toml's `ways` asks"),
     ] = UNSET
     seed: Annotated[int, Meta(ge=0, description="for whatever is random")] = 0
     object: Annotated[ObjectRecord | None, Meta(description="the target object")] = None
@@ -295,7 +303,8 @@ def encode_frame(
         root: (3,) metres. rotations: (43, 4) wxyz.
         grips: (2, 7) right and left palm frames in the world.
         object_pose: (7,) place and rotation, for an object algorithm only.
-        moved: (n, 8) id, place and rotation of each object that moved, for those who asked for the world.
+        moved: (n, 8) id, place and rotation of each object that moved, for those who asked for the world; of humans
+            (n, 20), with their ways, for those who asked for `ways`.
     """
     parts = [_K.pack(k), root.tobytes(), rotations.tobytes(), grips.tobytes()]
     if object_pose is not None:

@@ -87,6 +87,7 @@ class WorldObject:
             record.id, record.name, record.kind, np.array(record.place), np.array(record.rotation),
             record.sites, record.properties, dict(record.states), tuple(np.array(ring) for ring in record.footprint),
             TargetShape(record.shape.path, record.shape.hash) if record.shape is not None else None,
+            way=np.array(record.way) if record.way is not None else None,
         )  # fmt: skip
 
     @property

@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import UNSET
 
 from ahmss.algorithm import cache
-from ahmss.algorithm.messages import FRAME_HUMAN, FRAME_OBJECT, MOVED, Start, size
+from ahmss.algorithm.messages import FRAME_HUMAN, FRAME_OBJECT, MOVED, WAY, Start, size
 from ahmss.algorithm.place import Transform, WorldObject
 from ahmss.algorithm.pose import HumanPose, ObjectPose, block, importance_of, target_rows
 from ahmss.body.array import Array
@@ -22,6 +22,7 @@ from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import ProtocolError
 from ahmss.motion.clip import Clip
+from ahmss.motion.way import known
 from ahmss.walking.library import Library
 
 __all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Task"]
@@ -203,10 +204,8 @@ class Task:
         """
         own = self.frame_size
         if len(row) != own:
-            if len(row) < own or (len(row) - own) % _MOVED:
-                raise ProtocolError(f"FRAME has {len(row)} numbers; {own} and 8 for each that moved are expected")
-            for moved in row[own:].reshape(-1, _MOVED):
-                self._move(row[0], int(moved[0]), moved[1:4], moved[4:8])
+            for moved in self._rows(row):
+                self._move(row[0], int(moved[0]), moved)
         if "present" in self.__dict__:
             self.present.row[:] = row[:_HUMAN]
             return
@@ -217,8 +216,24 @@ class Task:
 
     frame_size = _HUMAN
 
-    def _move(self, k: float, number: int, place: Array, rotation: Array) -> None:
+    def _rows(self, row: Array) -> Iterator[Array]:
+        """What a FRAME says of each that moved: (8,), of a human with its way (20,) where ways were asked for."""
+        human, at = _MOVED + size(WAY) if self.message.ways else _MOVED, self.frame_size
+        while at < len(row):
+            end = at + (human if row[at] < 0.0 else _MOVED)
+            if end > len(row):
+                break
+            yield row[at:end]
+            at = end
+        if at != len(row):
+            more = f", {human} for each human," if human != _MOVED else ""
+            raise ProtocolError(
+                f"FRAME has {len(row)} numbers; {self.frame_size} and {_MOVED} for each that moved{more} are expected"
+            )
+
+    def _move(self, k: float, number: int, row: Array) -> None:
         """An object is elsewhere now, at frame k; one that is not known is not missed, a human who has come is."""
+        place, rotation = row[1:4], row[4:8]
         if number in self._sites:
             self._sites[number].moved[number] = Transform(place.copy(), rotation.copy())
             return
@@ -230,7 +245,10 @@ class Task:
             target.place[:] = place
             target.rotation[:] = rotation
             if target.kind == "human":
-                target.seen.append((k, place[0], place[1], 2.0 * np.arctan2(rotation[3], rotation[0])))
+                stands = (place[0], place[1], 2.0 * np.arctan2(rotation[3], rotation[0]))
+                if not target.seen or target.seen[-1][1:] != stands:  # else only where they will be is another
+                    target.seen.append((k, *stands))
+                target.way = known(row[_MOVED:].copy()) if len(row) > _MOVED else None
 
 
 class HumanTask(Task):

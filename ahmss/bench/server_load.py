@@ -72,7 +72,7 @@ class Load:
                 wait = begin + tick / _RATE + phases[number] - time.monotonic()
                 if wait > 1e-4:
                     time.sleep(wait)
-                frames.HEADER.pack_into(message, 0, frames.KIND, frames.FRAME_VERSION, 0, self.ids[number], tick + 1)
+                frames.HEADER.pack_into(message, 0, frames.KIND, frames.PLAIN, 0, self.ids[number], tick + 1)
                 sent[tick, number, 2] = time.monotonic()
                 try:
                     socket.send(message, zmq.NOBLOCK)

@@ -49,6 +49,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     world: Literal["none", "near", "all"] = "near"
     footprints: bool = False
     humans: bool = False
+    ways: bool = False
     shape: bool = False
     carries: bool = False
     accompanies: bool = False
@@ -127,7 +128,9 @@ class AlgorithmFinder:
             raise document.error(("name",), f'"{top.name}" is not the name of its folder, "{name}"; make them the same')
         parameters = {n: _parameter(document, n, raw) for n, raw in top.parameters.items()}
         argv = self._argv(document, top.argv)
-        asks = (top.world, top.footprints, top.humans, top.shape, top.carries, top.accompanies)
+        if top.ways and not top.humans:
+            raise document.error(("ways",), "asks where the other humans mean to be; add `humans = true`")
+        asks = (top.world, top.footprints, top.humans, top.shape, top.carries, top.accompanies, top.ways)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 
     def _argv(self, document: Document, argv: list[str]) -> tuple[str, ...]:

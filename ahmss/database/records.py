@@ -128,7 +128,8 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
 
     kind: "human", "object", or "" where nothing says (a bare executable). argv: the first is "python" for the pool,
     else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
-    footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others.
+    footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others;
+    ways: and whether it and each FRAME say where they mean to be.
     shape: whether START says where the target's shape is kept.
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
@@ -147,6 +148,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     shape: bool = False
     carries: bool = False
     accompanies: bool = False
+    ways: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -91,10 +91,10 @@ class Communication:
             self._forget()
         return world
 
-    def publish(self, root: Array, rotations: Array, moved: Array | None) -> None:
-        """One world frame: the human and the objects that it moves, (m, 8) rows of id, place, rotation."""
+    def publish(self, root: Array, rotations: Array, moved: Array | None, way: Array) -> None:
+        """One world frame: the human, its way (6, 2), and what it moves, (m, 8) rows of id, place, rotation."""
         self.frame += 1
-        self.client.publish(self.human, self.frame, root, rotations, moved)
+        self.client.publish(self.human, self.frame, root, rotations, moved, way)
         if self.lockstep and not self.fast:  # at the pace of the clock each frame is to be seen at once
             self.client.collect()
 
@@ -120,6 +120,10 @@ class Communication:
     def others(self) -> list[messages.ObjectRecord]:
         """The other humans, as algorithms are told of them."""
         return people.records(self.world, self.human)
+
+    def way(self, name: str) -> Array | None:
+        """(6, 2) where a human means to be; None where they tell nothing of it, or are gone."""
+        return self.world.way(name)
 
     def put(self, name: str, pose: Array) -> None:
         """This human has moved an object it holds, in the frame that is published next."""

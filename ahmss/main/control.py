@@ -13,6 +13,7 @@ from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import FRAME_HUMAN, HEADER, Kind, State, size
 from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
+from ahmss.database.records import AlgorithmEntry
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, CommandError, Unreachable, WorldError
 from ahmss.main.blending import Blending, Contribution
@@ -158,7 +159,7 @@ class Control:
                 motion.missed = moved
             elif not motion.asked_all:
                 motion.k, motion.missed = motion.k + 1, NOTHING
-                process.ask(self._frame(self._human, motion.k, None, moved))
+                process.ask(self._frame(self._human, motion.k, None, self._told(moved, motion.order.human_algorithm)))
 
     def collect_humans(self, patience: float) -> None:
         """Take the frames that the human algorithms have made, waiting at most `patience` seconds for the last."""
@@ -186,7 +187,8 @@ class Control:
         process = mover.process
         if process is not None and process.active and mover.frames and not process.pending:
             frame = mover.next()
-            process.ask(self._frame(frame.human, mover.k, mover.pose, frame.moved))
+            moved = self._told(frame.moved, mover.order.object_algorithm)
+            process.ask(self._frame(frame.human, mover.k, mover.pose, moved))
 
     def collect_objects(self, blending: Blending, patience: float) -> Array | None:
         """Take where the objects are now; rows (m, 8) of those that moved, for the world."""
@@ -253,7 +255,7 @@ class Control:
         motion.knows = known({*target, *numbers(start), *(record.id for record in start.world)})
         motion.company = met(start)
         motion.k = 1
-        motion.process.ask(self._frame(self._human, 1, None, NOTHING))
+        motion.process.ask(self._frame(self._human, 1, None, b""))
 
     def _waits(self, motion: Motion) -> bool:
         """Whether what it is about is another's now, and it waits until it is let go.
@@ -457,14 +459,18 @@ class Control:
         entries = [mover.order.object_algorithm for mover in self._movers.values() if mover.process is not None]
         return any(entry is not None and entry.humans for entry in entries)
 
-    def _frame(self, human: Array, k: int, pose: Array | None, moved: Array) -> bytes:
-        """A FRAME message: the human (190,), an object's pose (7,), and what moved, rows (n, 8)."""
+    def _told(self, moved: Array, entry: AlgorithmEntry | None) -> bytes:
+        """What a FRAME says of what moved, rows (n, 8): to who asks for ways humans come first, each with its way."""
+        if not len(moved) or entry is None or not entry.ways:
+            return moved.tobytes()
+        people = moved[:, 0] < 0.0
+        humans = moved[people]
+        return np.concatenate([humans, self._people.ways(humans[:, 0])], axis=1).tobytes() + moved[~people].tobytes()
+
+    def _frame(self, human: Array, k: int, pose: Array | None, moved: bytes) -> bytes:
+        """A FRAME message: the human (190,), an object's pose (7,), and what moved (see `_told`)."""
         human[0] = k
-        payload = human.tobytes()
-        if pose is not None:
-            payload += pose.tobytes()
-        if len(moved):
-            payload += moved.tobytes()
+        payload = human.tobytes() + moved if pose is None else human.tobytes() + pose.tobytes() + moved
         return HEADER.pack(len(payload), Kind.FRAME) + payload
 
     def _collect_human(self, motion: Motion) -> None:

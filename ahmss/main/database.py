@@ -169,6 +169,7 @@ class Database:
             rate=rate,
             wish=order.wish or UNSET,
             carried=carried or UNSET,
+            ways=entry.ways or UNSET,
             seed=seed,
             object=told.object(order.object),
             site=order.affordance.site or "",

@@ -42,6 +42,10 @@ class Scene(Protocol):
         """A human's body, now."""
         ...
 
+    def way(self, name: str) -> Array | None:
+        """(6, 2) where a human means to be, now; None: it is not told."""
+        ...
+
 
 def describe(
     workspace: Workspace, record: ObjectRecord, pose: Array, footprint: list[list[messages.Point]] | None = None
@@ -100,7 +104,7 @@ class Description:
         Raises:
             AhmssError: its kind is broken.
         """
-        told = self._object(name)
+        told = self._with_way(self._object(name))
         return msgspec.structs.replace(told, shape=self._shape(told.kind)) if self._entry.shape else told
 
     def _object(self, name: str) -> messages.ObjectRecord:
@@ -119,9 +123,11 @@ class Description:
         return messages.ShapeRecord(str(kept[0]), kept[1]) if kept is not None else None
 
     def goal(self, goal: messages.Goal) -> messages.Goal:
-        """The goal, with its object's footprint."""
+        """The goal, with its object's footprint, or the way of who it is."""
         target = goal.object
-        if target is None or not self._entry.footprints or target.kind == KIND:
+        if target is not None and target.kind == KIND:
+            return msgspec.structs.replace(goal, object=self._with_way(target))
+        if target is None or not self._entry.footprints:
             return goal
         footprint = self._footprint(target.name, target.kind, np.array([*target.place, *target.rotation]))
         return msgspec.structs.replace(goal, object=msgspec.structs.replace(target, footprint=footprint))
@@ -138,7 +144,12 @@ class Description:
                     found.append(self._object(name))
                 except AhmssError:  # another object's broken file does not concern this motion
                     continue
-        return found + (self._scene.others() if self._entry.humans else [])
+        return found + [self._with_way(human) for human in (self._scene.others() if self._entry.humans else ())]
+
+    def _with_way(self, told: messages.ObjectRecord) -> messages.ObjectRecord:
+        """A human with where they mean to be now, where that is asked and they tell it."""
+        way = self._scene.way(told.name) if self._entry.ways and told.kind == KIND else None
+        return told if way is None else msgspec.structs.replace(told, way=[(x, y) for x, y in way.tolist()])
 
     def _footprint(self, name: str, kind: str, pose: Array) -> list[list[messages.Point]]:
         """What an object in a pose (7,) occupies on the floor, where that is asked; nothing if its shape is broken."""

@@ -157,7 +157,7 @@ class MainProcess:
         self.control.ask_humans()
         self.communication.update(complete=False)  # while they compute
         moved = self.control.collect_objects(self.blending, self._patience)
-        self.communication.publish(self.blending.root, self.blending.rotations, moved)
+        self.communication.publish(self.blending.root, self.blending.rotations, moved, self.blending.way)
         self.control.end_finished()
         self.report.frames += 1
         if not self.setup.lockstep:  # files change by the clock, and lockstep is to be the same at each run

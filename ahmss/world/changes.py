@@ -16,6 +16,7 @@ class Changes:
         gone: ids of objects that were removed.
         moved: ids of objects that were moved, and the client that moved each last.
         humans_put, humans_gone: names of humans that came, ids of humans that went.
+        ways_gone: ids of humans that stay and whose ways are not known any more, but by a frame without one.
         is_structural: what exists changed, so the scene needs a new revision.
     """
 
@@ -24,9 +25,10 @@ class Changes:
     moved: dict[int, bytes] = field(default_factory=dict[int, bytes])
     humans_put: dict[str, None] = field(default_factory=dict[str, None])
     humans_gone: list[int] = field(default_factory=list[int])
+    ways_gone: dict[int, None] = field(default_factory=dict[int, None])
     is_structural: bool = False
 
     @property
     def is_quiet(self) -> bool:
         """Whether nothing changed but poses."""
-        return not (self.put or self.gone or self.humans_put or self.humans_gone)
+        return not (self.put or self.gone or self.humans_put or self.humans_gone or self.ways_gone)

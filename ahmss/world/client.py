@@ -146,7 +146,15 @@ class WorldClient:
         """Whether `world` is all that the newest snapshot tells: the scene under it has come too."""
         return self._shown is not None and self._shown.revision == self.world.revision
 
-    def publish(self, human: str, frame: int, root: Array, rotations: Array, moved: Array | None = None) -> bool:
+    def publish(
+        self,
+        human: str,
+        frame: int,
+        root: Array,
+        rotations: Array,
+        moved: Array | None = None,
+        way: Array | None = None,
+    ) -> bool:
         """Send a human's frame and the objects that it moves, as one update.
 
         Args:
@@ -155,12 +163,13 @@ class WorldClient:
             root: (3,) world place of the hips joint.
             rotations: (43, 4).
             moved: (m, 8) rows of object id, place, rotation in the world, each held by the human.
+            way: (6, 2) where the human means to be, see `ahmss.motion.way`; None, or NaN: not known.
 
         Returns:
             False where it could not be sent (no connection): the frame is lost, as it should be.
         """
         own = self._own[human]
-        own.last = data = frames.pack(own.id, frame, root, rotations, moved)
+        own.last = data = frames.pack(own.id, frame, root, rotations, moved, way)
         if moved is not None and len(moved):
             own.places.update((int(row[0]), row[1:]) for row in moved)
         if not self._link.is_up:

@@ -1,11 +1,13 @@
 """The one message that is not msgpack: a human's frame and the objects that it moves, 60 times a second.
 
 Little-endian: kind u8 ("F"), version u8, objects u16, human id u32, frame number u64; root 3 and rotations 172 float64;
-then for each object id, place 3, rotation 4 as float64. No msgpack struct begins with the byte "F".
+in version 2 the human's way, 12 float64; then for each object id, place 3, rotation 4 as float64.
+No msgpack struct begins with the byte "F".
 """
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable
 
@@ -14,17 +16,20 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.errors import ProtocolError
-from ahmss.world.schema import POSE_WIDTH
+from ahmss.world.schema import POSE_WIDTH, WAY_WIDTH
 
 __all__ = [
-    "BUNDLE", "FRAME_VERSION", "HEADER", "KIND", "POSE_BYTES", "ROW_BYTES", "ROW_WIDTH",
-    "bundle", "faulty", "is_faulty_pose", "is_faulty_row", "pack", "unbundle",
+    "BUNDLE", "HEADER", "KIND", "PLAIN", "POSE_BYTES", "ROW_BYTES", "ROW_WIDTH", "WAY_BYTES", "WITH_WAY",
+    "bundle", "faulty", "faulty_ways", "is_faulty_pose", "is_faulty_row", "pack", "unbundle",
 ]  # fmt: skip
 
 KIND = 0x46
-FRAME_VERSION = 1
+PLAIN, WITH_WAY = 1, 2
+"""Versions: a frame without a way, as it was before there were any, and one with a way."""
+
 HEADER = struct.Struct("<BBHIQ")
 POSE_BYTES = POSE_WIDTH * 8
+WAY_BYTES = WAY_WIDTH * 8
 ROW_WIDTH = 8
 ROW_BYTES = ROW_WIDTH * 8
 
@@ -38,11 +43,19 @@ _FARTHEST = 1e5
 """Metres from the origin; farther is taken for a fault."""
 
 
-def pack(human: int, frame: int, root: Array, rotations: Array, moved: Array | None = None) -> bytes:
-    """One update: root (3,), rotations (43, 4), moved (m, 8) rows of object id, place, rotation."""
+def pack(
+    human: int, frame: int, root: Array, rotations: Array, moved: Array | None = None, way: Array | None = None
+) -> bytes:
+    """One update: root (3,), rotations (43, 4), moved (m, 8) rows of object id, place, rotation; the way (6, 2).
+
+    A way that is not known is left out.
+    """
     count = 0 if moved is None else len(moved)
-    head = HEADER.pack(KIND, FRAME_VERSION, count, human, frame)
+    told = None if way is None or math.isnan(way[0, 0]) else way
+    head = HEADER.pack(KIND, PLAIN if told is None else WITH_WAY, count, human, frame)
     body = root.astype("<f8", copy=False).tobytes() + rotations.astype("<f8", copy=False).tobytes()
+    if told is not None:
+        body += told.astype("<f8", copy=False).tobytes()
     return head + body if moved is None else head + body + moved.astype("<f8", copy=False).tobytes()
 
 
@@ -75,6 +88,13 @@ def faulty(places: Array, rotations: Array) -> NDArray[np.bool_]:
     norms = np.einsum("nij,nij->ni", rotations, rotations)
     fine = (norms.min(axis=1) > _SHORTEST) & (norms.max(axis=1) < _LONGEST)  # false for NaN too
     fine &= (places.min(axis=1) > -_FARTHEST) & (places.max(axis=1) < _FARTHEST)
+    return ~fine
+
+
+def faulty_ways(ways: Array) -> NDArray[np.bool_]:
+    """Which of n ways (n, 12) are none: not finite or too far, and not NaN as a whole; (n,) bool."""
+    fine: NDArray[np.bool_] = np.all(np.abs(ways) < _FARTHEST, axis=1)
+    fine |= np.all(np.isnan(ways), axis=1)
     return ~fine
 
 

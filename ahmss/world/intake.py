@@ -6,23 +6,30 @@ import numpy as np
 
 from ahmss.errors import ProtocolError, WorldError
 from ahmss.world.frame import (
-    FRAME_VERSION,
     HEADER,
+    PLAIN,
     POSE_BYTES,
     ROW_BYTES,
     ROW_WIDTH,
+    WAY_BYTES,
+    WITH_WAY,
     faulty,
+    faulty_ways,
     is_faulty_pose,
     is_faulty_row,
 )
-from ahmss.world.schema import POSE_WIDTH, Refused
+from ahmss.world.people import FRAME_NUMBER, PERSON_WIDTH, WAY
+from ahmss.world.schema import POSE_WIDTH, WAY_WIDTH, Refused
 from ahmss.world.space import Space
 from ahmss.world.things import Thing
 
 __all__ = ["Intake", "UnknownHuman"]
 
 _MOST_STAGED = 256
-_BODY = HEADER.size + POSE_BYTES
+_BODIES = {PLAIN: HEADER.size + POSE_BYTES, WITH_WAY: HEADER.size + POSE_BYTES + WAY_BYTES}
+"""Bytes before the objects, by version."""
+
+_NO_WAY = np.full(WAY_WIDTH, np.nan, "<f8").tobytes()
 
 
 class UnknownHuman(WorldError):
@@ -44,11 +51,12 @@ class Intake:
         self.frames: dict[int, bytes] = {}
         self.taken = 0
         self._space = space
-        self._poses = np.zeros((_MOST_STAGED, POSE_WIDTH + 1))
+        self._poses = np.zeros((_MOST_STAGED, PERSON_WIDTH))
         self._bytes = self._poses.data.cast("B")
-        self._stride = (POSE_WIDTH + 1) * 8
+        self._stride = PERSON_WIDTH * 8
         self._staged: list[tuple[bytes, int, int]] = []
         self._moving: list[tuple[int, list[Thing], bytes]] = []
+        self._tell_ways = False  # some of what is staged
 
     @property
     def is_full(self) -> bool:
@@ -63,10 +71,11 @@ class Intake:
             UnknownHuman: the sender must join first.
             WorldError: it moves an object that its human does not hold.
         """
-        if len(data) < _BODY:
-            raise ProtocolError(f"a frame is at least {_BODY} bytes, this is {len(data)}")
+        if len(data) < _BODIES[PLAIN]:
+            raise ProtocolError(f"a frame is at least {_BODIES[PLAIN]} bytes, this is {len(data)}")
         _, version, count, number, frame = HEADER.unpack_from(data)
-        if version != FRAME_VERSION or len(data) != _BODY + count * ROW_BYTES:
+        body = _BODIES.get(version, 0)
+        if not body or len(data) != body + count * ROW_BYTES:
             raise ProtocolError(f"a frame of version {version} with {count} objects is not {len(data)} bytes")
         person = self._space.people.by_id.get(number)
         if person is None or person.owner != owner:
@@ -74,11 +83,17 @@ class Intake:
         if frame <= person.frame:
             return
         if count:
-            things = self._held(person.record.name, frame, data)
-            self._moving.append((len(self._staged), things, bytes(data[_BODY:])))
+            things = self._held(person.record.name, frame, data[body:])
+            self._moving.append((len(self._staged), things, bytes(data[body:])))
         person.frame = frame
         start = len(self._staged) * self._stride
-        self._bytes[start : start + POSE_BYTES] = data[HEADER.size : _BODY]
+        way = start + POSE_BYTES
+        if version == WITH_WAY:
+            self._tell_ways = True
+            self._bytes[start : way + WAY_BYTES] = data[HEADER.size : body]
+        else:
+            self._bytes[start:way] = data[HEADER.size : body]
+            self._bytes[way : way + WAY_BYTES] = _NO_WAY
         self._staged.append((owner, number, frame))
         self.frames[number] = owner
         self.taken += 1
@@ -93,18 +108,19 @@ class Intake:
             if at not in bad:
                 moved = np.frombuffer(data, "<f8").reshape(-1, ROW_WIDTH)
                 self._space.things.place(self._staged[at][0], things, moved[:, 1:])
-        refusals = [self._refuse(*self._staged[at]) for at in bad]
+        refusals = [self._refuse(at) for at in bad]
         self._staged.clear()
         self._moving.clear()
+        self._tell_ways = False
         return refusals
 
     def _write_one(self) -> list[int]:
         """Write the only staged pose, or say that it is bad."""
         pose = self._poses[0]
-        if is_faulty_pose(pose[:POSE_WIDTH]):
+        if is_faulty_pose(pose[:POSE_WIDTH]) or (self._tell_ways and faulty_ways(pose[None, WAY])[0]):
             return [0]
         _, number, frame = self._staged[0]
-        pose[POSE_WIDTH] = frame
+        pose[FRAME_NUMBER] = frame
         self._space.people.poses[number][:] = pose
         return []
 
@@ -112,7 +128,9 @@ class Intake:
         """Write the staged poses, the newest of a human last; which of them are bad."""
         poses = self._poses[:count]
         bad = faulty(poses[:, :3], poses[:, 3:POSE_WIDTH].reshape(count, -1, 4))
-        poses[:, POSE_WIDTH] = [frame for _, _, frame in self._staged]
+        if self._tell_ways:
+            bad |= faulty_ways(poses[:, WAY])
+        poses[:, FRAME_NUMBER] = [frame for _, _, frame in self._staged]
         table = self._space.people.poses
         rows = np.array([table.rows[number] for _, number, _ in self._staged])
         good = np.flatnonzero(~bad)
@@ -120,10 +138,10 @@ class Intake:
         return [] if len(good) == count else np.flatnonzero(bad).tolist()
 
     def _held(self, human: str, frame: int, data: bytes | memoryview) -> list[Thing]:
-        """The objects that a frame moves: all must be held by its human and have poses."""
+        """The objects that the rows of a frame move: all must be held by its human and have poses."""
         known = self._space.things.by_id
         things: list[Thing] = []
-        for row in np.frombuffer(data, "<f8", offset=_BODY).reshape(-1, ROW_WIDTH).tolist():
+        for row in np.frombuffer(data, "<f8").reshape(-1, ROW_WIDTH).tolist():
             thing = known.get(row[0])
             if thing is None:
                 raise WorldError(f"frame {frame} of {human} was refused whole: no object {row[0]:g} is in the world")
@@ -134,7 +152,9 @@ class Intake:
             things.append(thing)
         return things
 
-    @staticmethod
-    def _refuse(owner: bytes, number: int, frame: int) -> tuple[bytes, Refused]:
+    def _refuse(self, at: int) -> tuple[bytes, Refused]:
+        owner, number, frame = self._staged[at]
         reason = f"frame {frame} was refused whole: a place is not finite or too far, or a rotation is not unit"
+        if faulty_ways(self._poses[at : at + 1, WAY])[0]:
+            reason = f"frame {frame} was refused whole: its way is not finite or too far; NaN in all of it is not known"
         return owner, Refused(0, reason, number, frame)

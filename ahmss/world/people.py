@@ -11,12 +11,18 @@ from ahmss.errors import WorldError
 from ahmss.world.changes import Changes
 from ahmss.world.frame import POSE_BYTES, faulty
 from ahmss.world.poses import Table
-from ahmss.world.schema import POSE_WIDTH, HumanRecord, Join
+from ahmss.world.schema import POSE_WIDTH, WAY_WIDTH, HumanRecord, Join
 from ahmss.world.things import check_name
 
-__all__ = ["MOST_HUMANS", "People", "Person"]
+__all__ = ["FRAME_NUMBER", "MOST_HUMANS", "PERSON_WIDTH", "WAY", "People", "Person"]
 
 MOST_HUMANS = 4096
+
+PERSON_WIDTH = POSE_WIDTH + WAY_WIDTH + 1
+"""Numbers kept of one human: the pose, the way (NaN: not known), the number of the frame shown."""
+
+WAY = slice(POSE_WIDTH, POSE_WIDTH + WAY_WIDTH)
+FRAME_NUMBER = PERSON_WIDTH - 1
 
 
 @dataclass(slots=True)
@@ -32,13 +38,13 @@ class Person:
 
 
 class People:
-    """All humans. The column after the pose in `poses` is the frame number shown."""
+    """All humans. A row of `poses` is a pose, the human's `WAY`, and the `FRAME_NUMBER` shown."""
 
     def __init__(self) -> None:
         self.changes = Changes()
         self.by_name: dict[str, Person] = {}
         self.by_id: dict[int, Person] = {}
-        self.poses = Table(POSE_WIDTH + 1)
+        self.poses = Table(PERSON_WIDTH)
         self._next_id = 1
 
     def get(self, name: str) -> Person:
@@ -72,6 +78,7 @@ class People:
         known.owner, known.group, known.frame, known.stays = owner, join.group, -1, False
         known.record = HumanRecord(number, join.name, join.body, join.skeleton, join.shape, join.texture)
         self.poses[number][:POSE_WIDTH] = pose
+        self.forget_way(number)
         self.changes.humans_put[join.name] = None
         self.changes.is_structural = True
         return known
@@ -82,15 +89,23 @@ class People:
         del self.by_id[person.record.id]
         self.poses.remove(person.record.id)
         self.changes.humans_put.pop(name, None)
+        self.changes.ways_gone.pop(person.record.id, None)
         self.changes.humans_gone.append(person.record.id)
         self.changes.is_structural = True
+
+    def forget_way(self, number: int) -> None:
+        """Nobody tells any more where the human of that id means to be."""
+        way = self.poses[number][WAY]
+        if not np.isnan(way[0]):
+            way[:] = np.nan
+            self.changes.ways_gone[number] = None
 
     def _enter(self, owner: bytes, join: Join, pose: Array) -> Person:
         record = HumanRecord(self._next_id, join.name, join.body, join.skeleton, join.shape, join.texture)
         self._next_id += 1
         person = Person(record, owner, join.group)
         self.by_name[join.name] = self.by_id[record.id] = person
-        self.poses.add(record.id, np.append(pose, 0.0))
+        self.poses.add(record.id, np.concatenate([pose, np.full(WAY_WIDTH, np.nan), [0.0]]))
         self.changes.humans_put[join.name] = None
         self.changes.is_structural = True
         return person

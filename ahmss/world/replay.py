@@ -86,7 +86,7 @@ class _Player:
         for name in self._humans:
             root, rotations = world.human(name)
             rotations /= np.linalg.norm(rotations, axis=1, keepdims=True)
-            self._client.publish(name, tick + 1, root, rotations)
+            self._client.publish(name, tick + 1, root, rotations, way=world.way(name))
 
     def clear(self) -> None:
         """Take out of the world what was put in."""

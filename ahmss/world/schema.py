@@ -19,6 +19,8 @@ __all__ = [
     "CHUNK",
     "POSE_WIDTH",
     "VERSION",
+    "WAY_SHAPE",
+    "WAY_WIDTH",
     "Add",
     "Added",
     "AssetPart",
@@ -66,6 +68,10 @@ __all__ = [
 VERSION = 1
 POSE_WIDTH = 175
 """One human's pose: root 3, then 43 rotations of 4."""
+
+WAY_SHAPE = (6, 2)
+WAY_WIDTH = 12
+"""Where a human means to be: x and y, metres, at six moments from the frame (`ahmss.motion.way`); NaN: not known."""
 
 CHUNK = 1 << 20
 """Assets travel in parts of at most this many bytes."""
@@ -147,6 +153,8 @@ class Snapshot(msgspec.Struct, frozen=True, tag="snapshot"):
     human_ids: n uint32. frames: n uint32, the frame number shown of each. poses: n x 175 float32.
     object_ids: m uint32, the objects that are not where the scene has them. places: m x 7 float64.
     time: seconds since 1970 at the server; in a recording, tick / rate.
+    ways: n x 6 x 2 float32, where each human means to be (`ahmss.motion.way`), NaN where it is not told; empty where
+    nobody tells it.
     """
 
     tick: int
@@ -160,6 +168,7 @@ class Snapshot(msgspec.Struct, frozen=True, tag="snapshot"):
     changes: list[ObjectChange] = []
     request: int = 0
     sequence: int = 0
+    ways: bytes = b""
 
 
 # What clients ask. `request` numbers them; the reply repeats the number, 0 asks for no reply.
@@ -414,6 +423,7 @@ class Ticked(msgspec.Struct, frozen=True, tag="ticked"):
 
     human_ids: n uint32. poses: n x 175 float64. object_ids: m uint32. places: m x 7 float64. `put` are records whose
     states, holder or existence changed (by anybody, in the order of names), `gone` ids of what was removed.
+    ways: n x 6 x 2 float64, as a snapshot's.
     """
 
     tick: int
@@ -426,6 +436,7 @@ class Ticked(msgspec.Struct, frozen=True, tag="ticked"):
     gone: list[int] = []
     humans_put: list[HumanRecord] = []
     humans_gone: list[int] = []
+    ways: bytes = b""
 
 
 class Stats(msgspec.Struct, frozen=True, tag="stats"):

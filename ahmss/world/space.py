@@ -15,7 +15,7 @@ from ahmss.world.assets import Assets
 from ahmss.world.behaviours import Behaviours
 from ahmss.world.changes import Changes
 from ahmss.world.falls import Falls
-from ahmss.world.people import People, Person
+from ahmss.world.people import FRAME_NUMBER, PERSON_WIDTH, WAY, People, Person
 from ahmss.world.schema import POSE_WIDTH, ObjectChange, Reply, Request, Scene, Snapshot, Ticked
 from ahmss.world.solids import Solids
 from ahmss.world.things import Thing, Things
@@ -24,6 +24,8 @@ __all__ = ["Space"]
 
 _MOST_CHANGES = 256
 """States and holders that a snapshot tells beside its scene; more make a new scene."""
+
+_NOBODY = np.zeros((0, PERSON_WIDTH))
 
 
 class Space:
@@ -97,6 +99,7 @@ class Space:
         for name in names:
             person = self.people.by_name[name]
             person.owner, person.left_at = b"", now
+            self.people.forget_way(person.record.id)
             self.things.release_all(name)
         return names
 
@@ -129,7 +132,9 @@ class Space:
         name = person.record.name
         self.things.release_all(name)
         person.owner, person.left_at, person.stays = b"", now, stays
-        if not stays:
+        if stays:
+            self.people.forget_way(person.record.id)
+        else:
             self.people.remove(name)
 
     def _transfer(self, owner: bytes, request: schema.Transfer) -> None:
@@ -196,10 +201,13 @@ class Space:
         if self._moved:
             ids = np.fromiter(self._moved, "<u4", len(self._moved)).tobytes()
             places = things.poses.data[[things.poses.rows[number] for number in self._moved]].tobytes()
+        ways = used[:, WAY]
+        is_told = not np.isnan(ways[:, 0]).all()
         return Snapshot(
-            tick, time, self.revision, people.ids.tobytes(), used[:, POSE_WIDTH].astype("<u4").tobytes(),
+            tick, time, self.revision, people.ids.tobytes(), used[:, FRAME_NUMBER].astype("<u4").tobytes(),
             used[:, :POSE_WIDTH].astype("<f4").tobytes(), ids, places,
             [_change(things.by_name[name]) for name in self._changed],
+            ways=ways.astype("<f4").tobytes() if is_told else b"",
         )  # fmt: skip
 
     def ticked(self, tick: int, receiver: bytes, changes: Changes, frames: dict[int, bytes]) -> Ticked:
@@ -208,16 +216,18 @@ class Space:
             return Ticked(tick, self.revision)
         people, things = self.people, self.things
         humans = [number for number, owner in frames.items() if owner != receiver]
+        humans += [number for number in changes.ways_gone if number not in frames]
         moved = [number for number, owner in changes.moved.items() if owner != receiver]
-        human_rows = [people.poses.rows[number] for number in humans]
+        poses = people.poses.data[[people.poses.rows[number] for number in humans]] if humans else _NOBODY
+        is_told = not np.isnan(poses[:, WAY.start]).all()
         moved_rows = [things.poses.rows[number] for number in moved]
         put = [things.record(things.by_name[name]) for name in changes.put]
         humans_put = [people.by_name[name].record for name in changes.humans_put]
         return Ticked(
             tick, self.revision,
-            np.array(humans, "<u4").tobytes(), people.poses.data[human_rows, :POSE_WIDTH].tobytes() if humans else b"",
+            np.array(humans, "<u4").tobytes(), poses[:, :POSE_WIDTH].tobytes(),
             np.array(moved, "<u4").tobytes(), things.poses.data[moved_rows].tobytes() if moved else b"",
-            put, changes.gone, humans_put, changes.humans_gone,
+            put, changes.gone, humans_put, changes.humans_gone, ways=poses[:, WAY].tobytes() if is_told else b"",
         )  # fmt: skip
 
     def _note(self, changes: Changes) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ahmss.body.array import Array
 from ahmss.world.schema import (
     POSE_WIDTH,
+    WAY_SHAPE,
     HumanRecord,
     ObjectRecord,
     Scene,
@@ -29,7 +30,8 @@ class World:
         tick, time, sequence: of the newest snapshot; time in seconds since 1970 at the server.
         objects: records by name, states and holder as they are now; the pose in it is the scene's: ask `pose`.
         humans: records by name.
-        human_ids: (n,) the humans that have a pose, in the order of `human_poses` (n, 175) and `human_frames` (n,).
+        human_ids: (n,) the humans that have a pose, in the order of `human_poses` (n, 175), `human_frames` (n,) and
+            `human_ways` (n, 6, 2), where each means to be (`ahmss.motion.way`), NaN where it is not told.
     """
 
     def __init__(self) -> None:
@@ -43,6 +45,7 @@ class World:
         self.human_ids = _NO_IDS
         self.human_frames = _NO_IDS
         self.human_poses: NDArray[np.float32] | Array = np.zeros((0, POSE_WIDTH), np.float32)
+        self.human_ways: NDArray[np.float32] | Array = _ways(0)
         self._scene: list[ObjectRecord] = []
         self._names: dict[int, str] = {}
         self._ids: NDArray[np.uint32] = _NO_IDS
@@ -81,6 +84,13 @@ class World:
         pose = self.human_poses[row[0]].astype(np.float64)
         return pose[:3], pose[3:].reshape(-1, 4)
 
+    def way(self, name: str) -> Array | None:
+        """(6, 2) where a human means to be, `ahmss.motion.way`; None where it is not told, or nobody is called so."""
+        record = self.humans.get(name)
+        row = np.flatnonzero(self.human_ids == (0 if record is None else record.id))
+        way = self.human_ways[row[0]].astype(np.float64) if len(row) else None
+        return None if way is None or np.isnan(way[0, 0]) else way
+
     def held_by(self, human: str) -> list[str]:
         """Names of the objects that the human holds."""
         return [name for name, record in self.objects.items() if record.holder == human]
@@ -114,6 +124,7 @@ class World:
         self.human_ids = np.frombuffer(snapshot.human_ids, "<u4")
         self.human_frames = np.frombuffer(snapshot.frames, "<u4")
         self.human_poses = np.frombuffer(snapshot.poses, "<f4").reshape(-1, POSE_WIDTH)
+        self.human_ways = _ways(len(self.human_ids), snapshot.ways, "<f4")
         if snapshot.revision != self.revision:
             return False
         self._poses = self._base
@@ -176,18 +187,20 @@ class World:
     def _merge_humans(self, ticked: Ticked) -> None:
         numbers = np.frombuffer(ticked.human_ids, "<u4")
         poses = np.frombuffer(ticked.poses, "<f8").reshape(-1, POSE_WIDTH)
+        ways = _ways(len(numbers), ticked.ways, "<f8")
         if np.array_equal(numbers, self.human_ids):
-            self.human_poses = poses
+            self.human_poses, self.human_ways = poses, ways
         else:
             kept = ~np.isin(self.human_ids, numbers)
             self.human_poses = np.concatenate([self.human_poses[kept].astype(np.float64), poses])
+            self.human_ways = np.concatenate([self.human_ways[kept].astype(np.float64), ways])
             self.human_ids = np.concatenate([self.human_ids[kept], numbers])
         self.human_frames = np.full(len(self.human_ids), ticked.tick, np.uint32)
 
     def _drop_poses(self, gone: list[int]) -> None:
         kept = ~np.isin(self.human_ids, gone)
         self.human_ids, self.human_poses = self.human_ids[kept], self.human_poses[kept]
-        self.human_frames = self.human_frames[kept]
+        self.human_frames, self.human_ways = self.human_frames[kept], self.human_ways[kept]
 
     def _put_objects(self, ticked: Ticked) -> None:
         """Records that changed keep their present pose unless they are new."""
@@ -203,3 +216,9 @@ class World:
         for name, row in self._rows.items():
             if name not in new:
                 self._base[row] = poses[name]
+
+
+def _ways(count: int, numbers: bytes = b"", kind: str = "<f8") -> Array:
+    """The ways (count, 6, 2) in a message; NaN, without an array of their own, where it tells none."""
+    shape = (count, *WAY_SHAPE)
+    return np.frombuffer(numbers, kind).reshape(shape) if numbers else np.broadcast_to(np.nan, shape)

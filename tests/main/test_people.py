@@ -62,6 +62,7 @@ def crowd(*places: tuple[float, float, float]) -> World:
         rows.append(np.concatenate([[x, y, root[2]], turned.ravel()]))
     world.human_ids = np.arange(3, 3 + len(places), dtype=np.uint32)
     world.human_poses = np.array(rows)
+    world.human_ways = np.full((len(places), 6, 2), np.nan)
     return world
 
 
@@ -106,7 +107,9 @@ class Slow:
 def test_what_moved_while_an_algorithm_was_late_is_told_with_its_next_frame() -> None:
     communication, process = SimpleNamespace(world=crowd((0, 0, 0), (1, 0, 0), (2, 0, 0)), human="me"), Slow()
     control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
-    wants = SimpleNamespace(after=0, frames=0, wish=True, human_algorithm=SimpleNamespace(humans=True, carries=False))
+    wants = SimpleNamespace(
+        after=0, frames=0, wish=True, human_algorithm=SimpleNamespace(humans=True, ways=False, carries=False)
+    )
     motion = Motion(wants, 1)  # type: ignore[arg-type]
     motion.process, motion.knows = process, known((-4, -5))  # type: ignore[assignment]
     control._motions.append(motion)
@@ -131,7 +134,7 @@ def test_who_comes_after_an_algorithm_has_begun_is_told_of() -> None:
     control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
     body = SimpleNamespace(root=np.zeros(3), rotations=np.zeros((43, 4)), grips=np.zeros((2, 7)))
     for humans in (True, False):
-        algorithm = SimpleNamespace(humans=humans, carries=False)
+        algorithm = SimpleNamespace(humans=humans, ways=False, carries=False)
         motion = Motion(SimpleNamespace(after=0, frames=0, wish=True, human_algorithm=algorithm), 1)  # type: ignore[arg-type]
         motion.process, motion.knows = process, known((-4,))  # type: ignore[assignment]
         control._motions[:] = [motion]
