@@ -16,7 +16,7 @@ _SEES = np.radians(65.0)  # aside of where one goes, up to where one looks at it
 _NECK, _FORGETS = np.radians(75.0), 0.02  # aside; of looking: who looks no more may look to the other side next
 _LONGEST = 2.0  # seconds that a gaze is on its way
 _LAG = 0.07  # seconds of each of three lags by which the gaze turns then
-_TARGETS = 220  # the first of a row's targets
+_TARGETS = slice(220, 260)  # of a row
 
 
 class Sighting:
@@ -30,7 +30,7 @@ class Sighting:
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260), the gaze added."""
         rows = rows.copy()
-        targets = rows[:, _TARGETS:].reshape(-1, 5, 8)
+        targets = rows[:, _TARGETS].reshape(-1, 5, 8)
         for k, row in enumerate(rows):
             heading, aside, place = self._seen(row)
             wanted = float(abs(aside) < _SEES)
@@ -42,7 +42,7 @@ class Sighting:
                 off = float(np.linalg.norm(place[:2] - row[1:3])) * np.array([np.cos(along), np.sin(along)])
                 place = np.append(row[1:3] + off, place[2])
             targets[k, GAZE, :3], targets[k, GAZE, 7] = place, wanted
-        rows[:, _TARGETS:] = targets.reshape(-1, 40)
+        rows[:, _TARGETS] = targets.reshape(-1, 40)
         return rows
 
     def _seen(self, row: Array) -> tuple[float, float, Array]:

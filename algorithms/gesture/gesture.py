@@ -45,7 +45,7 @@ def gesture(task: HumanTask) -> Iterator[Array]:
     for i in range(length):
         row = rows[i : i + 1].copy()
         if not made.bends:
-            row[0, 220:].reshape(5, 8)[GAZE] = watching.gaze(turns[i, 0], turns[i, 1], i + 1, length)
+            row[0, 220:260].reshape(5, 8)[GAZE] = watching.gaze(turns[i, 0], turns[i, 1], i + 1, length)
         yield row
 
 

@@ -96,7 +96,7 @@ def _until_taken(task: HumanTask, whom: WorldObject, row: Array) -> Generator[Ar
     watching = Watching(task, whom)
     seen: dict[str, deque[Array]] = {hand: deque(maxlen=FRAMES) for hand in ("right", "left")}
     widest: dict[str, float] = {}
-    gaze = row[0, 220:].reshape(5, 8)[GAZE]
+    gaze = row[0, 220:260].reshape(5, 8)[GAZE]
     before = gaze[:3].copy()
     for k in range(1, round(task.parameter("patience", 10.0) * task.rate) + 1):
         gaze[:] = watching.gaze()

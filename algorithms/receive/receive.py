@@ -177,7 +177,7 @@ def _closed(task: HumanTask, side: str, last: Array) -> Array:
     end, n, hand = closing(task, side, TOO_FAR), task.length, list(fingers(side))
     rows = np.repeat(last[None], n, axis=0)
     time = np.arange(1, n + 1) / n
-    rotations, targets = rows[:, 4:176].reshape(n, 43, 4), rows[:, 220:].reshape(n, 5, 8)
+    rotations, targets = rows[:, 4:176].reshape(n, 43, 4), rows[:, 220:260].reshape(n, 5, 8)
     present = task.start.rotations[hand]
     if end.wide is None:
         rotations[:, hand] = slerp(present, end.shape, minimum_jerk(time)[:, None])

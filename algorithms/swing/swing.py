@@ -294,7 +294,7 @@ class Taking:
         """Frames (n, 260) in which the arm brings the palm there, the elbow as its joints allow and without a jump."""
         n, skeleton, spine = len(rows), self.task.human, INDEX["spine"]
         out = rows.copy()
-        rotations, root, targets = out[:, 4:176].reshape(n, 43, 4), out[:, 1:4], out[:, 220:].reshape(n, 5, 8)
+        rotations, root, targets = out[:, 4:176].reshape(n, 43, 4), out[:, 1:4], out[:, 220:260].reshape(n, 5, 8)
         wrist, _ = self.reacher.hand(palms)
         bent = bent_towards(self.reacher, rotations[:, 0], root, rotations[:, spine], wrist)
         rotations[:, spine] = slerp(rotations[:, spine], bent, bends)
