@@ -8,14 +8,16 @@ shipped object algorithms of parts share.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanFrame, ObjectTask
 from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
 
 __all__ = ["led"]
 
@@ -46,10 +48,12 @@ def led(
     brought = way
     before = task.object.frame
     for human in task.frames():
-        points = {side: _points(task, human, side) for side in sides}
+        tips = _tips(task, human, sides)
+        points = {side: _points(task, human, side, tips[side]) for side in sides}
         for side, hand in hands.items():
             apart = np.linalg.norm(points[side] - at(way), axis=1)
-            hand.seen(_bent(human, side), _opening(task, side), near=bool(apart.min() <= threshold))
+            opening = float(np.linalg.norm(tips[side][0] - tips[side][1]))
+            hand.seen(_bent(human, side), opening, near=bool(apart.min() <= threshold))
         if leads is not None:
             apart = float(np.linalg.norm(points[leads[0]] - at(way), axis=1).min())
             if apart > threshold or not hands[leads[0]].holds(leads[1], closed):
@@ -117,15 +121,19 @@ def _nearest(points: dict[str, Array], end: Array) -> tuple[str, Array]:
     return side, apart[side]
 
 
-def _points(task: ObjectTask, human: HumanFrame, side: str) -> Array:
-    """The palm and the middle between the tips of thumb and index (2, 3), in the object's frame."""
-    pinch = 0.5 * (task.fingertip(side, "thumb") + task.fingertip(side, "index"))
-    return task.object.frame.inverse().apply(np.array([human.grip(side).place, pinch]))
+def _tips(task: ObjectTask, human: HumanFrame, sides: Sequence[str]) -> dict[str, Array]:
+    """The tips of thumb and index finger of each hand (2, 3), in the world."""
+    places, world = forward(human.rotations, human.root, task.human.offsets)
+    found: dict[str, Array] = {}
+    for side in sides:
+        links = [INDEX[f"{side}_thumb_distal"], INDEX[f"{side}_index_distal"]]
+        found[side] = places[links] + rotate(world[links], task.human.tips[links])
+    return found
 
 
-def _opening(task: ObjectTask, side: str) -> float:
-    """How far the tips of thumb and index finger are from each other, metres."""
-    return float(np.linalg.norm(task.fingertip(side, "thumb") - task.fingertip(side, "index")))
+def _points(task: ObjectTask, human: HumanFrame, side: str, tips: Array) -> Array:
+    """The palm and the middle between the tips of thumb and index finger (2, 3), in the object's frame."""
+    return task.object.frame.inverse().apply(np.array([human.grip(side).place, 0.5 * (tips[0] + tips[1])]))
 
 
 def _bent(human: HumanFrame, side: str) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import shapely
@@ -91,7 +92,7 @@ def plan(
         return _straight(start, goal, start_heading)
     ends = around.ends(start, goal)
     if (ends.clearances[1] < NEAREST).any():
-        raise NoWay(_within(around, start, goal))
+        raise NoWay(partial(_within, around, start, goal))
     for slope in (SLOPE, SLOPE / 4.0):  # the second time along things, for who stands in a nook
         ends = around.ends(start, goal, slope)
         floor = around.blocked(ends)
@@ -99,7 +100,7 @@ def plan(
         if way is not None:
             break
     else:
-        raise NoWay(_closed_off(around, start, goal))
+        raise NoWay(partial(_closed_off, around, start, goal))
     if len(way) == 2:
         return _straight(start, goal, start_heading)
     points, heading = rounded(way, around, ends, turn_radius)

@@ -6,7 +6,7 @@ stands at a table to use it, the clearance that the place has is enough there, a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -33,7 +33,22 @@ Indices = NDArray[np.intp]
 
 
 class NoWay(AlgorithmError):
-    """No way leads there; the sentence says why, and where one can go instead."""
+    """No way leads there; the sentence says why, and where one can go instead.
+
+    It is found when it is read: who waits for a way to become free asks often, and throws it away.
+    """
+
+    def __init__(self, sentence: str | Callable[[], str]) -> None:
+        super().__init__(sentence)
+        self._sentence = sentence
+
+    @cached_property
+    def _told(self) -> str:
+        return self._sentence if isinstance(self._sentence, str) else self._sentence()
+
+    def __str__(self) -> str:
+        """The sentence."""
+        return self._told
 
 
 @dataclass(frozen=True)
