@@ -32,7 +32,7 @@ from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.steps import Steps
 from ahmss.walking import goals
 from ahmss.walking.journey import Standing, footing
-from ahmss.walking.obstacles import nearest_free
+from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free
 
 __all__ = [
     "NEAR", "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
@@ -127,7 +127,10 @@ def stood_before(
         return task, gaze
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     here = yield from gaze.during(_stretch(task, reaching, goal))
-    if here.stretched < _FROM_HERE and here.found and _faces(task):
+    inside = _stands_in(task)
+    if inside:
+        task.note(f"steps out of {inside}, which was moved onto where one stands")
+    elif here.stretched < _FROM_HERE and here.found and _faces(task):
         return task, gaze
     stand = yield from gaze.during(_best_stand(task, goal, prisms))
     return (yield from gone_to(task, stand, gaze))
@@ -173,6 +176,17 @@ def _faces(task: HumanTask) -> bool:
     length = max(float(np.linalg.norm(off)), 1e-9)
     aside = (np.arctan2(off[1], off[0]) - now.heading + np.pi) % (2.0 * np.pi) - np.pi
     return bool(abs(aside) < _FACING and -off @ front_of(task.object.frame) / length > _SEEN_FROM)
+
+
+def _stands_in(task: HumanTask) -> str:
+    """The thing that stands where the human stands; "" where none does."""
+    ground = ground_of(task)
+    around = Obstacles.of(ground.outlines, 0.0, names=ground.names)
+    if not len(around.shapes):
+        return ""
+    near = around.clearance(task.start.root[:2])
+    i = int(near.argmin())
+    return around.names[i] if near[i] < 0.5 * NEAREST else ""
 
 
 def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[goals.Goal]:

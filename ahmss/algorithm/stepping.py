@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import shapely
 
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
@@ -59,9 +60,13 @@ def walk_library(task: HumanTask) -> Library:
 
 
 def ground_of(task: HumanTask) -> Ground:
-    """The footprints of all that stands about."""
+    """The footprints of all that stands about; without the parts of what stands where the human does: out of that one
+    goes, whatever is on it.
+    """
     things = [thing for thing in (*task.world.values(), task.object) if thing is not None and thing.kind != "human"]
     shapes = [(ring, thing.name, _top(thing)) for thing in things for ring in thing.occupied]
+    left = tuple(f"{name}/" for ring, name, _ in shapes if _contains(ring, task.start.root[:2]))
+    shapes = [shape for shape in shapes if not shape[1].startswith(left)] if left else shapes
     return Ground([ring for ring, _, _ in shapes], [name for _, name, _ in shapes], [top for _, _, top in shapes])
 
 
@@ -76,6 +81,13 @@ def walkers(task: HumanTask) -> Sequence[Walker]:
         track = np.array([*seen, (k, *human.place[:2], faces)] if not seen or seen[-1][0] < k else seen)
         found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:3], human.name, track[:, 3]))
     return found
+
+
+def _contains(ring: Array, place: Array) -> bool:
+    """Whether a place (2,) is within a ring (k, 2)."""
+    if len(ring) < 3 or (place < ring.min(axis=0)).any() or (place > ring.max(axis=0)).any():
+        return False
+    return bool(shapely.contains_xy(shapely.Polygon(ring), *place))
 
 
 def _top(thing: WorldObject) -> float:

@@ -18,6 +18,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.walking import trip
 
 from .layouts import Control, Layout, Used, about_z, used
+from .reached import outlined
 from .scene import Body, program
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -205,3 +206,24 @@ def test_a_gauge_is_read_from_beside_who_reads_it() -> None:
     hips = np.array([pose.root[:2] for pose in used(body, start, "check").shown])
     assert np.linalg.norm(hips - (-0.25, 0.05), axis=1).min() > 0.6
     assert np.linalg.norm(hips[-1] - gauge.frame.place[:2]) < 1.2
+
+
+def test_out_of_a_panel_that_was_moved_onto_one_is_stepped_first() -> None:
+    """It stands where they stand, and what is on it reaches over its edge; from within the button would be in reach."""
+    button, body = Control(1, "push_button", Transform(np.array([0.2, 0.1, 1.15]), about_z(np.pi))), Body("ken")
+    edge = Control(2, "lever", Transform(np.array([-0.04, 0.1, 0.9]), about_z(np.pi)))
+    ring = [(-0.06, -0.5), (0.9, -0.5), (0.9, 0.5), (-0.06, 0.5)]
+    panel = ObjectRecord(9, "panel", "panel", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), footprint=[ring])
+    parts = [outlined(msgspec.structs.replace(edge.record(), name="panel/lever_2"), 2)]
+    start = Layout((button,)).start(button, body, "press", world=[panel, *parts, standing("aiko", -1.0, -1.2)])
+    notes: list[str] = []
+
+    def noted(task: HumanTask):
+        yield from program("press")(task)
+        notes.extend(task.notes)
+
+    done = used(body, start, noted)
+    assert notes == ["steps out of panel, which was moved onto where one stands"]
+    assert done.shown[-1].root[0] < -0.25
+    tip = button.site("face").inverse().apply(done.tip("index"))
+    assert tip[:, 0].min() < -0.003  # and pressed
