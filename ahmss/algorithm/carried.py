@@ -41,7 +41,7 @@ _RESTING, _PATIENCE = 0.03, 0.5  # metres a second, seconds: who is carried so s
 _NEWEST = 0.06  # of the mean closing speed that the newest frame makes: the mean of about a third of a second
 _LINGERS = 0.98  # of the time, where the hand waits for the waist
 _ARM = 20.0  # its importance: of an arm that is high up even a little of a walk's, which hangs, is much
-_PASSING = 0.2  # metres a second: who goes on so fast lets go of the place with the last frame
+_HANGS_ON = 12  # frames: who is carried beyond the arm in these lets go of the place with the last frame
 _QUICKER = 1.3  # times as fast as usual a reach goes at the most
 
 
@@ -88,8 +88,8 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         made[INDEX["head"]] = task.start.rotations[INDEX["head"]]  # which the gaze turns
         made[links] = slerp(before, end, minimum_jerk(np.array([time / SHAPED_BY])))
         importance, targets = gaze.next()
-        if time == 1.0 and float(np.linalg.norm(on * _LEVEL)) * task.rate > _PASSING:
-            target[7] = 0.0  # else the hand hangs on to the place until the next motion begins, and the arm is torn
+        if time == 1.0 and carried.missing(made, root + _HANGS_ON * on) > 0.0:
+            target[7] = 0.0  # the hand hangs on to the place until the next motion begins: here the arm would be torn
         targets[:, carried.reacher.row] = target
         importance[carried.reacher.links], importance[links] = _ARM, 1.0
         importance[_SPINE] = spine
