@@ -27,6 +27,7 @@ _BLOCKS = {
     "FRAME to an object algorithm": messages.FRAME_OBJECT,
     "each object that moved": messages.MOVED,
     "POSE": messages.POSE,
+    "the way behind it": messages.WAY,
     "OBJECT": messages.OBJECT,
 }
 _STRUCTS: dict[str, type[msgspec.Struct]] = {

@@ -22,6 +22,7 @@ ROOT = np.array([0.5, -0.25, 0.875])
 ROTATIONS = np.tile([0.5, -0.5, 0.5, -0.5], (43, 1))
 GRIPS = np.arange(14.0).reshape(2, 7)
 CUP = np.array([1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0])
+WAY = np.arange(12.0).reshape(6, 2) / 4.0
 MOVED = np.array([[9.0, 4.0, 5.0, 6.0, 0.0, 1.0, 0.0, 0.0]])
 
 
@@ -112,6 +113,16 @@ def test_a_pose_is_these_bytes():
     assert (read.rotations == ROTATIONS).all()
 
 
+def test_a_pose_with_a_way_is_these_bytes():
+    row = np.zeros(272)
+    row[0] = 31
+    HumanPose(ROTATIONS, ROOT, np.arange(44.0), way=WAY).pack(row)
+    assert encode(Kind.POSE, row.tobytes()) == golden("pose_way")
+    assert numbers(golden("pose_way"))[:260] == (31.0, *ROOT, *ROTATIONS.ravel(), *range(44), *[0.0] * 40)
+    assert numbers(golden("pose_way"))[260:] == (*WAY.ravel(),)
+    assert HumanPose.of(row).way.tolist() == WAY.tolist()
+
+
 def test_an_objects_pose_is_these_bytes():
     row = np.zeros(8)
     row[0] = 31
@@ -161,6 +172,7 @@ def write_golden() -> None:
     pose_row = np.concatenate([[31.0], ROOT, ROTATIONS.ravel(), np.arange(44.0), targets.ravel()])
     made = {
         "pose": encode(Kind.POSE, pose_row.tobytes()),
+        "pose_way": encode(Kind.POSE, np.concatenate([pose_row[:220], np.zeros(40), WAY.ravel()]).tobytes()),
         "object": encode(Kind.OBJECT, np.concatenate([[31.0], CUP]).tobytes()),
         "start": messages.encode_start(start),
         "start_object": messages.encode_start(other),

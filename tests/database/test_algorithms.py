@@ -45,6 +45,17 @@ def test_the_shape_is_told_to_who_asks(workspace: Workspace) -> None:
     ]
 
 
+def test_ways_are_told_to_who_asks_for_humans_and_them(workspace: Workspace) -> None:
+    add_algorithm(workspace, "nod", NOD)
+    add_algorithm(workspace, "walk", f"{NOD}humans = true\nways = true\n".replace("nod", "walk"))
+    assert [workspace.algorithms.find(name).ways for name in ("nod", "walk")] == [False, True]
+    add_algorithm(workspace, "run", f"{NOD}ways = true\n".replace("nod", "run"))
+    with pytest.raises(
+        DataError, match=r"ways \(line 4\): asks where the other humans mean to be; add `humans = true`"
+    ):
+        workspace.algorithms.find("run")
+
+
 def executable(path: Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("#!/bin/sh\n")

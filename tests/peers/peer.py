@@ -83,6 +83,10 @@ def misbehave(how, k, frame):
         os.write(1, b"hello, I am a print statement\n")
     elif how == "wrong_size" and k == 3:
         put(POSE, b"\0" * 8 * 259)
+    elif how == "half_a_way" and k == 3:
+        put(POSE, pose(k, frame) + struct.pack("<6d", *[0.5] * 6))
+    elif how == "way_to_nowhere" and k == 3:
+        put(POSE, pose(k, frame) + struct.pack("<12d", *[0.5] * 7, float("nan"), *[0.5] * 4))
     elif how == "not_a_number" and k == 3:
         put(POSE, pose(k, frame, n100=float("nan")))
     elif how == "infinite_root" and k == 3:
