@@ -18,7 +18,6 @@ from ahmss.errors import AlgorithmError
 from ahmss.walking import trip
 
 from .layouts import Control, Layout, Used, about_z, used
-from .reached import outlined
 from .scene import Body, program
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -211,10 +210,10 @@ def test_a_gauge_is_read_from_beside_who_reads_it() -> None:
 def test_out_of_a_panel_that_was_moved_onto_one_is_stepped_first() -> None:
     """It stands where they stand, and what is on it reaches over its edge; from within the button would be in reach."""
     button, body = Control(1, "push_button", Transform(np.array([0.2, 0.1, 1.15]), about_z(np.pi))), Body("ken")
-    edge = Control(2, "lever", Transform(np.array([-0.04, 0.1, 0.9]), about_z(np.pi)))
+    row = [Control(i, "lever", Transform(np.array([-0.04, 0.1 * (i - 6), 0.9]), about_z(np.pi))) for i in range(2, 11)]
     ring = [(-0.06, -0.5), (0.9, -0.5), (0.9, 0.5), (-0.06, 0.5)]
-    panel = ObjectRecord(9, "panel", "panel", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), footprint=[ring])
-    parts = [outlined(msgspec.structs.replace(edge.record(), name="panel/lever_2"), 2)]
+    panel = ObjectRecord(99, "panel", "panel", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), footprint=[ring])
+    parts = [lever.record() for lever in row]
     start = Layout((button,)).start(button, body, "press", world=[panel, *parts, standing("aiko", -1.0, -1.2)])
     notes: list[str] = []
 
