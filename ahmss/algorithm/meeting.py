@@ -125,6 +125,8 @@ def _look_first(
         still = settled(track, _STANDS[0] if second else _GLANCE, _STANDS[1])
         if still and (not second or k > _LOOKS * task.rate):
             return
+        if k == _GLANCE + 1:
+            task.note(f"waits for {whom.name}, who may come" if second else f"waits for {whom.name}, who walks")
         targets = np.zeros((5, 8))
         targets[GAZE] = watching.gaze(0.0, 0.0, k)
         yield task.pose({}, None, importance, targets)

@@ -180,6 +180,8 @@ def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool]
     while there := [other for other in walkers(task) if hinders(other.place)]:
         if task.length or waited >= _PATIENCE * task.rate:
             raise AlgorithmError(f"{there[0].name or 'somebody'} {told}")
+        if not waited:
+            task.note(f"waits for {there[0].name or 'somebody'}, who {told.partition(';')[0]}")
         yield task.block(stance.rotations[None], stance.root[None], importance[None], targets)
         waited += 1
 

@@ -36,6 +36,7 @@ TURNS = np.radians(np.arange(-180.0, 180.0, 15.0))  # of the thing about the ver
 NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have closed since it came
 WIDE = 0.1  # metres from its middle to a corner: what is wider is taken at its margin
 STILL, FRAMES = 0.002, 9  # metres in so many frames
+TELLS = 0.5  # seconds after which it is told that one waits
 LOOKS = 0.4  # seconds, from where one looked to the other's eyes
 OPENS, BACK, AWAY, HOME = 0.4, 0.08, 0.35, 0.9  # seconds, metres, seconds, seconds
 UP = np.array([0.0, 0.0, 1.0])
@@ -102,6 +103,9 @@ def _until_taken(task: HumanTask, whom: WorldObject, row: Array) -> Generator[Ar
         gaze[:] = watching.gaze()
         gaze[:3] = before + minimum_jerk(np.array(k / (LOOKS * task.rate))) * (gaze[:3] - before)
         yield row.copy()
+        if k == round(TELLS * task.rate):
+            assert task.object is not None
+            task.note(f"waits for {whom.name} to take {task.object.name}")
         for hand, track in seen.items():
             if _has_closed(task, whom, hand, track, widest):
                 return hand

@@ -37,6 +37,7 @@ NEAR = 1.45  # metres to who gives, from where on it may be held out
 SHARES = (0.35, 0.68)  # of the way to them, between which it is held out
 LOW, EYES = 0.66, 0.936  # of the mean stature: up to where a thing is held out; how high eyes are
 STILL, FRAMES = 0.004, 10  # metres in so many frames
+TELLS = 0.5  # seconds after which it is told that one waits
 CAME, LONG = 0.06, 2.5  # metres from where the giver had it at first; seconds that it is still where it has not come
 MOVED, TRIES = 0.04, 3  # metres that it may have moved while the hand came to it; times that the hand comes
 ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist needs it
@@ -128,6 +129,8 @@ def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | Huma
         targets = np.zeros((5, 8))
         targets[GAZE] = watching.gaze(0.0, 0.0, k)
         yield task.pose({}, None, importance, targets)
+        if k == round(TELLS * task.rate):
+            task.note(f"waits for {whom.name} to hold {task.object.name} out")
         here, _ = floor_frame(task.present.rotations, task.present.root)
         way = (whom.place - here)[:2]
         distance = float(np.hypot(*way))

@@ -151,11 +151,11 @@ def test_who_is_on_the_chair_is_named_when_patience_ends(away: float, monkeypatc
 
 
 def test_one_waits_for_who_is_on_the_chair_standing_still_and_then_sits_down(monkeypatch: pytest.MonkeyPatch) -> None:
-    frame, asked = chair(2), list[int]()
+    frame, asked = chair(2), list[HumanTask]()
     seat = frame.apply(np.array([-0.055, 0.0, 0.43]))
 
-    def walkers(_: HumanTask) -> list[Walker]:
-        asked.append(1)
+    def walkers(task: HumanTask) -> list[Walker]:
+        asked.append(task)
         return [Walker.of(np.zeros(1), seat[None, :2], "aiko")] if len(asked) <= 40 else []
 
     monkeypatch.setattr(stepping, "walkers", walkers)
@@ -166,6 +166,7 @@ def test_one_waits_for_who_is_on_the_chair_standing_still_and_then_sits_down(mon
     assert np.abs(still - rotations).max() < 1e-3
     assert np.abs(np.array([pose.root for pose in shown[:40]]) - root).max() < 1e-6
     assert len(shown) == 40 + 126
+    assert asked[0].notes == ["waits for aiko, who is where one sits on room/chair"]
     assert np.linalg.norm(shown[-1].root - seat) < 0.14
 
 

@@ -131,6 +131,8 @@ def test_what_can_not_be_is_refused_in_a_sentence_and_nothing_falls(tmp_path: Pa
     assert said[1][0] == "15: ken hand_over: aiko holds nothing"
     assert said[1][1].endswith("ken has not held out cup within 1 s")
     assert Recorded.read(recording, "ken", ("cup",)).holders["cup"][-80] == "ken"
+    told = [[str(note).partition(": ")[2] for note in main["notes"]] for main in mains]  # type: ignore[attr-defined]
+    assert told == [["waits for aiko to take cup"], ["waits for ken to hold cup out"]]
 
 
 @pytest.mark.long
