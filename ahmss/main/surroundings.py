@@ -48,9 +48,12 @@ def among(moved: Array, known: Array, *, strangers: bool = False) -> Array:
     """Those rows (n, 8) whose ids are among the known, (m,) in rising order; with `strangers` all humans as well."""
     if not len(moved) or not (len(known) or strangers):
         return NOTHING
-    chosen = np.isin(moved[:, 0], known)
+    ids = moved[:, 0]
+    chosen = np.zeros(len(ids), bool)
+    if len(known):
+        chosen |= known[known.searchsorted(ids).clip(max=len(known) - 1)] == ids  # np.isin takes ten times as long
     if strangers:
-        chosen |= moved[:, 0] < 0.0
+        chosen |= ids < 0.0
     return moved[chosen]
 
 
