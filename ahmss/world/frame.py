@@ -20,7 +20,7 @@ from ahmss.world.schema import POSE_WIDTH, WAY_WIDTH
 
 __all__ = [
     "BUNDLE", "HEADER", "KIND", "PLAIN", "POSE_BYTES", "ROW_BYTES", "ROW_WIDTH", "WAY_BYTES", "WITH_WAY",
-    "bundle", "faulty", "faulty_ways", "is_faulty_pose", "is_faulty_row", "pack", "unbundle",
+    "bundle", "faulty", "faulty_ways", "is_faulty_pose", "is_faulty_row", "is_faulty_way", "pack", "unbundle",
 ]  # fmt: skip
 
 KIND = 0x46
@@ -96,6 +96,11 @@ def faulty_ways(ways: Array) -> NDArray[np.bool_]:
     fine: NDArray[np.bool_] = np.all(np.abs(ways) < _FARTHEST, axis=1)
     fine |= np.all(np.isnan(ways), axis=1)
     return ~fine
+
+
+def is_faulty_way(way: Array) -> bool:
+    """The same for one human's way (12,), several times faster where it is a way."""
+    return not math.hypot(*way.tolist()) < _FARTHEST and bool(faulty_ways(way[None])[0])
 
 
 def is_faulty_pose(pose: Array) -> bool:

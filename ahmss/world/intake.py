@@ -17,6 +17,7 @@ from ahmss.world.frame import (
     faulty_ways,
     is_faulty_pose,
     is_faulty_row,
+    is_faulty_way,
 )
 from ahmss.world.people import FRAME_NUMBER, PERSON_WIDTH, WAY
 from ahmss.world.schema import POSE_WIDTH, WAY_WIDTH, Refused
@@ -117,7 +118,7 @@ class Intake:
     def _write_one(self) -> list[int]:
         """Write the only staged pose, or say that it is bad."""
         pose = self._poses[0]
-        if is_faulty_pose(pose[:POSE_WIDTH]) or (self._tell_ways and faulty_ways(pose[None, WAY])[0]):
+        if is_faulty_pose(pose[:POSE_WIDTH]) or (self._tell_ways and is_faulty_way(pose[WAY])):
             return [0]
         _, number, frame = self._staged[0]
         pose[FRAME_NUMBER] = frame
@@ -155,6 +156,6 @@ class Intake:
     def _refuse(self, at: int) -> tuple[bytes, Refused]:
         owner, number, frame = self._staged[at]
         reason = f"frame {frame} was refused whole: a place is not finite or too far, or a rotation is not unit"
-        if faulty_ways(self._poses[at : at + 1, WAY])[0]:
+        if is_faulty_way(self._poses[at, WAY]):
             reason = f"frame {frame} was refused whole: its way is not finite or too far; NaN in all of it is not known"
         return owner, Refused(0, reason, number, frame)

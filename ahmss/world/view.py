@@ -19,6 +19,7 @@ from ahmss.world.schema import (
 
 __all__ = ["World"]
 
+_UNKNOWN: Array = np.broadcast_to(np.nan, (1 << 20, *WAY_SHAPE))  # one number in memory
 _NO_IDS: NDArray[np.uint32] = np.zeros(0, np.uint32)
 
 
@@ -220,5 +221,4 @@ class World:
 
 def _ways(count: int, numbers: bytes = b"", kind: str = "<f8") -> Array:
     """The ways (count, 6, 2) in a message; NaN, without an array of their own, where it tells none."""
-    shape = (count, *WAY_SHAPE)
-    return np.frombuffer(numbers, kind).reshape(shape) if numbers else np.broadcast_to(np.nan, shape)
+    return np.frombuffer(numbers, kind).reshape(count, *WAY_SHAPE) if numbers else _UNKNOWN[:count]
