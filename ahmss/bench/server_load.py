@@ -32,11 +32,14 @@ __all__ = ["Load", "latency_ms", "most_humans", "tick_cost_us"]
 _RATE = 60.0
 _STEPS = (125, 250, 500, 1000, 1250, 1500, 2000)
 _DELIVERED = 0.98
+_WAY = np.zeros(schema.WAY_SHAPE)
 _QUIET = Path(os.devnull)  # that the load goes away at the end is no news
 
 
 class Load:
     """Many humans of one process, each with a connection of its own, without the cost of full clients.
+
+    All tell a way with every frame, as who walks does.
 
     Args:
         address: of the server.
@@ -54,7 +57,7 @@ class Load:
         for number, socket in enumerate(self._sockets):
             socket.send(schema.encode(schema.Join(f"load_{number}", "load", pose.tobytes(), request=1)))
         self.ids = [self._joined(socket) for socket in self._sockets]
-        self._messages = [bytearray(frames.pack(number, 0, root, rotations)) for number in self.ids]
+        self._messages = [bytearray(frames.pack(number, 0, root, rotations, way=_WAY)) for number in self.ids]
 
     def run(self, seconds: float, *, spread: bool) -> Array:
         """Send each human's frames at the world's rate; (n, 3) rows of id, frame, time sent (monotonic clock).
@@ -72,7 +75,7 @@ class Load:
                 wait = begin + tick / _RATE + phases[number] - time.monotonic()
                 if wait > 1e-4:
                     time.sleep(wait)
-                frames.HEADER.pack_into(message, 0, frames.KIND, frames.PLAIN, 0, self.ids[number], tick + 1)
+                frames.HEADER.pack_into(message, 0, frames.KIND, frames.WITH_WAY, 0, self.ids[number], tick + 1)
                 sent[tick, number, 2] = time.monotonic()
                 try:
                     socket.send(message, zmq.NOBLOCK)
