@@ -36,7 +36,7 @@ from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free
 
 __all__ = [
     "NEAR", "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
-    "standing", "stood_before",
+    "stance_at", "standing", "stood_before", "stretch_from",
 ]  # fmt: skip
 
 NEAR = 0.6
@@ -203,7 +203,7 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
         beside_them = yield from _easiest(task, goal, _BESIDE, taken)
         if beside_them is not None and beside_them[1].found and beside_them[1].stretched < _FROM_HERE:
             return beside_them[0]
-    reaching = _reaching(task, stand)
+    reaching = stance_at(task, stand)
     reacher = yield from reaching.better_side(goal, _sides(task, goal))
     _, _, arm = yield from reaching.posture(reacher, goal, prisms)
     if arm.missing > MOST_MISSING:
@@ -230,7 +230,7 @@ def _easiest(
             stand = before(task, away, sign * aside)
             if is_taken(stand, taken):
                 continue
-            arm = yield from _stretch(task, _reaching(task, stand), goal, (side,))
+            arm = yield from _stretch(task, stance_at(task, stand), goal, (side,))
             worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
             if best is None or worth < best[0]:
                 best = worth, stand, arm
@@ -250,7 +250,12 @@ def is_taken(stand: goals.Goal, taken: Sequence[Array]) -> bool:
     return any(float(np.linalg.norm(stand.place - place)) < _ROOM for place in taken)
 
 
-def _reaching(task: HumanTask, stand: goals.Goal) -> Reaching:
+def stretch_from(task: HumanTask, stand: goals.Goal, goal: Goal) -> Steps[Stretch]:
+    """How the better arm of who would stand there comes to a goal, the trunk upright."""
+    return (yield from _stretch(task, stance_at(task, stand), goal))
+
+
+def stance_at(task: HumanTask, stand: goals.Goal) -> Reaching:
     """Who would stand there."""
     rotations, root = task.human.upright()
     rotations = rotations.copy()

@@ -1,16 +1,20 @@
 """Laying down what is held: it comes over its place, sinks, and the hand opens and draws back the way that it took it.
 
+Who does not reach so far steps to where they do, where the action names a walk library.
+
 The place is the goal that was said, its own x turned as the human faces away from it; or the site `rest` of what
 contains it, as a cradle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from functools import partial
 
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
@@ -19,12 +23,13 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.plan import Reaching
+from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import heading_of
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
+ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -34,13 +39,18 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("nothing is in the hand")
     if task.carried:
         raise AlgorithmError("stand still to lay it down; walk there first")
-    rests = _rests(task)
     held = task.start.grip(task.hand).inverse().then(task.object.frame).inverse()
-    palms = rests.then(Transform(np.repeat(held.place[None], len(rests.place), axis=0), held.rotation)).row()
-    gaze = Looking(task, rests.place[0])
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    goal = Goal(rests.place[0], palms={task.hand: palms})
-    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP)
+    gaze = Looking(task, _rests(task, 0.0, TURNS).place[0])
+    found = yield from _planned(task, held, gaze)
+    if isinstance(found, AlgorithmError):  # not from here
+        if task.library is None:
+            raise found
+        goal = partial(_goal, task, held, turns=ANYHOW)
+        task, gaze = yield from gone_nearer(task, gaze.place, goal, gaze, prisms_of(task))
+        found = yield from _planned(task, held, gaze)
+    if isinstance(found, AlgorithmError):
+        raise found
+    reaching, plan = found
     palm = np.concatenate([plan.palm[:3] - OVER * UP, plan.palm[3:]])
     links = list(fingers(task.hand))
     shape = task.start.rotations[links]
@@ -51,16 +61,38 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 
-def _rests(task: HumanTask) -> Transform:
-    """The frames (n) in which it may lie.
+def _planned(
+    task: HumanTask, held: Transform, gaze: Looking
+) -> Generator[Array, None, tuple[Reaching, Plan] | AlgorithmError]:
+    """The plan of a reach to over the place, as it lies best, else turned as the hand that has it can; or why not."""
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    refused: AlgorithmError | None = None
+    for turns in (TURNS, ANYHOW):
+        goal = _goal(task, held, heading_of(task.start.rotations, task.start.root), turns)
+        try:
+            return reaching, (yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP))
+        except AlgorithmError as error:
+            refused = error
+    assert refused is not None
+    return refused
+
+
+def _goal(task: HumanTask, held: Transform, facing: float, turns: Array) -> Goal:
+    """Where the hand goes of who faces so, radians; `held` is the palm in the frame of what it holds."""
+    rests = _rests(task, facing, turns)
+    palms = rests.then(Transform(np.repeat(held.place[None], len(rests.place), axis=0), held.rotation)).row()
+    return Goal(rests.place[0], palms={task.hand: palms})
+
+
+def _rests(task: HumanTask, facing: float, turns: Array) -> Transform:
+    """The frames (n) in which it may lie, of who faces so, radians, turned by so many (n) from towards them.
 
     Raises:
         AlgorithmError: neither a place was said, nor does it belong anywhere.
     """
     assert task.object is not None
     if task.goal_place is not None:
-        away = heading_of(task.start.rotations, task.start.root) + np.pi
-        turned = from_axis_angle(UP, away + TURNS)
+        turned = from_axis_angle(UP, facing + np.pi + turns)
         return Transform(np.repeat(task.goal_place[None], len(turned), axis=0), turned)
     rest, inside = task.parameter("rest", ""), task.object.name.rpartition("/")[0]
     home = next((thing for thing in task.world.values() if thing.name == inside and rest in thing.sites), None)

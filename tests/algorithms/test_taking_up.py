@@ -19,7 +19,7 @@ from ahmss.grasping.fingertips import pad
 from ahmss.motion.smoothness import worst_pop
 
 from .devices import SIDES, at, before, begun, device, mover, posed
-from .scene import program
+from .scene import WORKSPACE, program
 
 OTHERS = (("ken", "left"), ("aiko", "right"))
 CASES = [("ken", "right"), ("aiko", "left"), *(pytest.param(*one, marks=pytest.mark.long) for one in OTHERS)]
@@ -216,6 +216,45 @@ def test_a_manual_is_laid_down_where_it_was_said() -> None:
     laid = scene.both(shown)
     assert np.linalg.norm(laid[-1].place - place) < 0.003
     assert rotate(laid[-1].rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
+
+
+def test_who_does_not_reach_the_place_goes_to_where_they_do_and_lays_it_down() -> None:
+    """Behind one, farther than the arm is long, as after a walk round a table."""
+    scene = Scene("aiko", "right", "manual", "edge", "eyes")
+    place = scene.base.apply(np.array([1.8, 0.5, 0.0]))
+    far = Goal(place=tuple(place.tolist()))
+    with pytest.raises(AlgorithmError, match="too short for that from here"):
+        scene.goes_on("lay_down", {}, "release", goal=far)
+    scene = Scene("aiko", "right", "manual", "edge", "eyes")
+    motion = str(WORKSPACE.objects.get("manual").affordances["put"].motion)
+    shown = scene.goes_on("lay_down", {}, "release", goal=far, motion=motion, busy=["right"])
+    laid = scene.both(shown)
+    assert np.linalg.norm(laid[-1].place - place) < 0.003
+    assert rotate(laid[-1].rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
+    away = np.linalg.norm(np.array([pose.root for pose in shown])[:, :2] - place[:2], axis=1)
+    assert away[0] > 1.2
+    assert away[-1] < 0.7
+    held = next(k for k, pose in enumerate(laid) if pose.states.get("taken") == "no")
+    assert np.ptp(scene.in_palm(shown[:held], laid[:held]), axis=0).max() < 1e-6
+
+
+def test_what_is_held_at_another_margin_is_laid_down_as_the_hand_can() -> None:
+    """Its lower margin is not towards one then: as what was just received at its side."""
+    scene = Scene("aiko", "right", "manual", "edge", "eyes")
+    turned = Transform(scene.held.place, scene.held.rotation)
+    turned = turned.then(at(0.0, 0.0, 0.0, np.radians(180.0)))
+    place = scene.frame.apply(np.array([-0.2, 0.0, 0.0]))
+    before = turned.inverse().then(grip(scene, scene.shown[-1]))
+    scene.held = ObjectPose(turned.place, turned.rotation)
+    shown = scene.goes_on("lay_down", {}, "release", goal=Goal(place=tuple(place.tolist())))
+    gone = [grip(scene, pose).then(before.inverse()) for pose in shown]
+    laid = min(gone, key=lambda frame: float(np.linalg.norm(frame.place - place)))
+    assert np.linalg.norm(laid.place - place) < 0.003
+    assert rotate(laid.rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
+
+
+def grip(scene: Scene, pose: HumanPose) -> Transform:
+    return Transform.of(grips(scene.body.skeleton, pose.rotations, pose.root)[SIDES.index(scene.side)])
 
 
 def test_what_belongs_nowhere_wants_a_place() -> None:
