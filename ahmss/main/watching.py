@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -11,9 +12,13 @@ from ahmss_viewer.app import ViewOptions, ViewReport, view
 
 __all__ = ["draw", "progressing", "watch"]
 
+_YIELDS = 10  # of priority
+
 
 def watch(options: ViewOptions, *, as_json: bool) -> None:
-    """View, and tell what was shown."""
+    """View, and tell what was shown. Pictures of a running world yield to those who make it, where both are here."""
+    if options.draws_files and options.replay is None and hasattr(os, "nice"):
+        os.nice(_YIELDS)
     report = draw(options, "drawing")
     if as_json:
         print(json.dumps(report.to_json()), flush=True)
