@@ -53,8 +53,8 @@ class Film:
         self.box: list[Array] = []
         publish = main.communication.publish
 
-        def look(root: Array, rotations: Array, moved: Array | None) -> None:
-            publish(root, rotations, moved)
+        def look(root: Array, rotations: Array, moved: Array | None, way: Array) -> None:
+            publish(root, rotations, moved, way)
             self.rotations.append(rotations.copy())
             self.roots.append(root.copy())
             self.grips.append(main.blending.grips.copy())

@@ -41,8 +41,8 @@ def test_what_is_told_at_the_end_is_what_is_so_then(
     communication = main.communication
     publish, shown = communication.publish, [0]
 
-    def opened(root: Array, rotations: Array, moved: Array | None) -> None:
-        publish(root, rotations, moved)
+    def opened(root: Array, rotations: Array, moved: Array | None, way: Array) -> None:
+        publish(root, rotations, moved, way)
         shown[0] += 1
         if shown[0] == 10:
             communication.set_state("b", "lid", "open")
