@@ -9,6 +9,7 @@ from functools import partial
 import msgspec
 import numpy as np
 
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.company import Watching, aside_of, settled
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.algorithm.place import WorldObject
@@ -143,7 +144,7 @@ def go_to(task: HumanTask, rotations: Array, root: Array, seconds: float) -> Ite
     importance = np.ones(44)
     importance[INDEX["head"]] = HEAD
     way = slerp(task.present.rotations, align(rotations, task.present.rotations), done)
-    yield task.block(way, task.present.root + done * (root - task.present.root), importance, targets)
+    yield at_ease(task, task.block(way, task.present.root + done * (root - task.present.root), importance, targets))
 
 
 def again(task: HumanTask, **fields: object) -> HumanTask:

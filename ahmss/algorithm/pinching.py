@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.clearing import gap_of, refuse_touching
 from ahmss.algorithm.controls import beside, in_the_way, stood_before
@@ -109,8 +110,7 @@ def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[
         raise AlgorithmError(short)
     side = best.plan.reacher.side
     refuse_touching(task, side, *_shown(best.made, best.back(task)), beside(task))
-    yield rows_made(task, best.made)
-    yield best.back(task)
+    yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Generator
 import msgspec
 import numpy as np
 
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.meeting import again
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
@@ -26,7 +27,6 @@ _AHEAD, _UNDER = (0.36, 0.46), (0.26, 0.38)  # metres before and under the eyes 
 _FLAT, _ASIDE = (0.0, 0.35), (0.0, 0.08)  # how much flatter than square to the eyes; metres to the hand that holds it
 _ROLLED, _SKEW = np.radians([0.0, -18.0, 18.0]), np.radians([0.0, -22.0, 22.0])  # about its way up, in its own plane
 _LOOKED, _AT_ONCE = 5, 40  # every so many frames are looked at; of so many between two pauses
-_TURNS = np.radians(420.0)  # a second, that the thing turns at the most on its way
 _HEAD = INDEX["head"]
 _UP, _X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
@@ -61,13 +61,7 @@ def brought(task: HumanTask, side: str, suits: Suits) -> Generator[Array, None, 
     palms = palms[found or slice(None)]
     plan = yield from planned(task, reaching, Goal(place, palms={side: palms}), gaze, prisms, sides=(side,))
     made = yield from performed(task, reaching, plan, gaze, ([], np.zeros((0, 4))))
-    turns = made.targets[:, plan.reacher.row, 3:7]
-    cos = np.abs((turns[1:] * turns[:-1]).sum(axis=-1))
-    more = 2.0 * float(np.arccos(np.clip(cos, 0.0, 1.0)).max(initial=0.0)) * task.rate / _TURNS
-    if more > 1.0 and not task.length:  # it has far to turn, though no joint is too fast
-        slower = again(task, frames=gaze.frames + int(np.ceil(len(turns) * more)))
-        made = yield from performed(slower, reaching, plan, gaze, ([], np.zeros((0, 4))))
-    yield task.block(made.rotations, made.root, made.importance, made.targets)
+    yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
     now = task.present.grip(side).then(held)  # where its main has it may be told a frame later
     place, rotation = tuple(now.place.tolist()), tuple(now.rotation.tolist())
     return again(task, object=msgspec.structs.replace(thing, place=place, rotation=rotation))

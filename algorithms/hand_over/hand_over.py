@@ -13,6 +13,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.company import Watching, settled
 from ahmss.algorithm.meeting import again, come_to, go_to
 from ahmss.algorithm.place import WorldObject
@@ -56,8 +57,9 @@ def hand_over(task: HumanTask) -> Iterator[Array | HumanPose]:
     goal = _held_out(begun, whom, side)
     plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
     made = yield from performed(begun, reaching, plan, gaze, ([], np.zeros((0, 4))))
-    yield begun.block(made.rotations, made.root, made.importance, made.targets)
-    last = begun.block(made.rotations, made.root, made.importance, made.targets)[-1:]
+    rows = at_ease(begun, begun.block(made.rotations, made.root, made.importance, made.targets))
+    yield rows
+    last = rows[-1:]
     taken = yield from _until_taken(task, whom, last)
     if not taken:
         yield from _back(task, side, last, begun, opens=False)

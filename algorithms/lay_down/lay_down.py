@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
@@ -58,7 +59,7 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     made = yield from performed(task, reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(shape, opened(task.hand, shape[:2]), open_by[:, None])
-    yield task.block(made.rotations, made.root, made.importance, made.targets)
+    yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 
 def _planned(

@@ -13,6 +13,7 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
 from ahmss.algorithm.pinching import gone_back, rows_made
@@ -55,10 +56,11 @@ def press(task: HumanTask) -> Iterator[Array]:
         )
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform)
-    yield rows_made(task, made)
+    rows = rows_made(task, made)
     if task.parameter("returns", False):
         length = len(made.root) - len(_pushed(task, plan.palm, out))
-        yield gone_back(task, made, length, plan.reacher.links)
+        rows = np.concatenate([rows, gone_back(task, made, length, plan.reacher.links)])
+    yield at_ease(task, rows)
 
 
 def _palms(task: HumanTask, side: str, out: Array, boxes: Sequence[Box]) -> Array:

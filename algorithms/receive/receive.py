@@ -14,6 +14,7 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.company import Watching, aside_of, settled
 from ahmss.algorithm.grasping import closing, read_shape
 from ahmss.algorithm.margins import Margin, margins
@@ -69,7 +70,7 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         else:
             plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
         made = yield from performed(begun, reaching, plan, gaze, _opened(side))
-        rows = begun.block(made.rotations, made.root, made.importance, made.targets)
+        rows = at_ease(begun, begun.block(made.rotations, made.root, made.importance, made.targets))
         yield rows
         if float(np.linalg.norm(task.object.place - begun.object.place)) < MOVED:
             break
@@ -79,7 +80,7 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
     wait = round(OPENS * task.rate)
     yield np.repeat(closed[-1:], wait, axis=0)
-    yield _drawn(task, side, pose, first)
+    yield at_ease(task, _drawn(task, side, pose, first))
 
 
 def _at_margin(

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, refuse_far, sides_of, tell_missed
 from ahmss.algorithm.reading import before_eyes
 from ahmss.body.array import Array
@@ -78,7 +79,7 @@ def take_up(task: HumanTask) -> Iterator[Array]:
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
-    yield task.block(made.rotations, made.root, made.importance, made.targets)
+    yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
     yield from _brought(task, made, side, grip.inverse().then(task.object.frame))
 
 
@@ -153,7 +154,7 @@ def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> It
 
     brought = yield from _meanwhile(work(), last)
     importance = np.maximum(brought.importance, made.importance[-1])
-    yield task.block(brought.rotations, brought.root, importance, brought.targets)
+    yield at_ease(task, task.block(brought.rotations, brought.root, importance, brought.targets))
 
 
 def _out_of_the_trunk(task: HumanTask, brought: Performed, plan: Plan, time: Array) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, WorldObject, run
+from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
@@ -51,7 +52,7 @@ def touch(task: HumanTask) -> Iterator[Array]:
         drawn = drawn[np.linspace(0, len(drawn) - 1, min(len(drawn), task.length // 2)).round().astype(int)]
     shape = list(fingers(plan.reacher.side)), pointing(plan.reacher.side)
     made = yield from performed(task, reaching, plan, gaze, shape, drawn)
-    yield task.block(made.rotations, made.root, made.importance, made.targets)
+    yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 
 def _sides(task: HumanTask, place: Array) -> tuple[str, ...]:

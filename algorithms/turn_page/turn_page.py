@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
+from ahmss.algorithm.at_ease import resampled, times_at_ease
 from ahmss.algorithm.reaching import Looking, performed, refuse_far, tell_missed
 from ahmss.algorithm.reading import brought
 from ahmss.body.array import Array
@@ -68,11 +69,16 @@ def turn_page(task: HumanTask) -> Iterator[Array | HumanPose]:
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, _pinched(task, side), closed[:, None])
     rows = task.block(made.rotations, made.root, made.importance, made.targets)
-    yield rows[:length]
-    for row, share in zip(rows[length:], angle / WHOLE, strict=True):
+    rows = np.concatenate([rows, _back(task, made, length, plan.reacher.links)])
+    times = times_at_ease(task, rows)
+    led = (times > length - 1) & (times <= length + len(then) - 1)
+    first, last = int(led.argmax()), len(led) - int(led[::-1].argmax())
+    rows, shares = resampled(rows, times), np.interp(times, length + np.arange(len(then)), angle / WHOLE)
+    yield rows[:first]
+    for row, share in zip(rows[first:last], shares[first:last], strict=True):
         pose = HumanPose.of(row)
         yield HumanPose(pose.rotations, pose.root, pose.importance, pose.targets, _told(page, float(share), back=back))
-    yield _back(task, made, length, plan.reacher.links)
+    yield rows[last:]
 
 
 def _reachable(task: HumanTask, side: str) -> Callable[[Transform, Posture], bool]:
