@@ -19,6 +19,7 @@ from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import LINKS
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.motion.way import staying
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.library import Library
@@ -71,7 +72,10 @@ def ground_of(task: HumanTask) -> Ground:
 
 
 def walkers(task: HumanTask) -> Sequence[Walker]:
-    """Who else is on the floor now, and how fast they go; nobody where algorithm.toml does not ask for `humans`."""
+    """Who else is on the floor now, and where they go; nobody where algorithm.toml does not ask for `humans`.
+
+    What they tell of where they will be comes only where it asks for `ways`.
+    """
     found: list[Walker] = []
     for human in task.world.values():
         if human.kind != "human":
@@ -79,7 +83,7 @@ def walkers(task: HumanTask) -> Sequence[Walker]:
         k, faces = float(task.present.k), 2.0 * np.arctan2(human.rotation[3], human.rotation[0])
         seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
         track = np.array([*seen, (k, *human.place[:2], faces)] if not seen or seen[-1][0] < k else seen)
-        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:3], human.name, track[:, 3]))
+        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:3], human.name, track[:, 3], human.way))
     return found
 
 
@@ -99,17 +103,17 @@ def _top(thing: WorldObject) -> float:
 
 
 def rows_of(task: HumanTask, piece: Piece) -> Array:
-    """POSE rows (n, 260): the feet as targets, so that they stand whatever the walk is blended with."""
+    """POSE rows (n, 272): the feet as targets, so that they stand whatever the walk is blended with; with the ways."""
     n = len(piece.root)
     rotations = np.repeat(task.start.rotations[None], n, axis=0)
     rotations[:, : piece.rotations.shape[1]] = piece.rotations
     targets = np.zeros((n, 5, 8))
     targets[:, _FEET, :3], targets[:, _FEET, 3:7], targets[:, _FEET, 7] = piece.ankles, piece.feet, 1.0
-    return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
+    return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets, piece.ways)
 
 
 def in_time(piece: Piece, rows: Array) -> Iterator[Array]:
-    """The rows (n, 260) of a piece, singly as long as there is something to be thought of meanwhile: no frame waits."""
+    """The rows (n, 272) of a piece, singly as long as there is something to be thought of meanwhile: no frame waits."""
     k = 0
     while piece.meanwhile is not None and k < len(rows) - 1:
         yield rows[k : k + 1]
@@ -161,7 +165,7 @@ def stepped(
 
 
 def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool], told: str) -> Iterator[Array]:
-    """Frames (1, 260) of standing for as long as somebody else is in the way.
+    """Frames (1, 272) of standing for as long as somebody else is in the way.
 
     Args:
         task: whose algorithm.toml asks for `humans`. stance: how one stands.
@@ -182,7 +186,7 @@ def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool]
             raise AlgorithmError(f"{there[0].name or 'somebody'} {told}")
         if not waited:
             task.note(f"waits for {there[0].name or 'somebody'}, who {told.partition(';')[0]}")
-        yield task.block(stance.rotations[None], stance.root[None], importance[None], targets)
+        yield task.block(stance.rotations[None], stance.root[None], importance[None], targets, staying(stance.root[:2]))
         waited += 1
 
 

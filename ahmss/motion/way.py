@@ -11,7 +11,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 
-__all__ = ["AHEAD", "UNKNOWN", "WAY_WIDTH", "known"]
+__all__ = ["AHEAD", "UNKNOWN", "WAY_WIDTH", "known", "staying"]
 
 AHEAD: Array = np.array([0.4, 0.8, 1.2, 1.6, 2.0, 2.4])
 """Seconds from the frame that a way comes with."""
@@ -28,3 +28,8 @@ AHEAD.flags.writeable = UNKNOWN.flags.writeable = False
 def known(numbers: Array) -> Array | None:
     """A way (6, 2) of its numbers (12,), as a view; None where it is not known."""
     return None if np.isnan(numbers[0]) else numbers.reshape(-1, 2)
+
+
+def staying(place: Array) -> Array:
+    """The way (6, 2) of who stays at a place (2,)."""
+    return np.repeat(place[None], len(AHEAD), axis=0)

@@ -1,8 +1,8 @@
 """What a walker may do about others in its way, from the present step on, and what each would cost.
 
-It may go on, go slower, pass on the right or the left, both at once, or stop. Others are taken to go on as they do. The
-figures are judged, not measured: people pass each other's middles at 0.6 m or more, would rather turn a little than
-stop, and pass oncoming ones on the right.
+It may go on, go slower, pass on the right or the left, both at once, or stop. Others are taken to go where they tell
+that they will be; who tells nothing, to go on as they do, or to stop. The figures are judged, not measured: people pass
+each other's middles at 0.6 m or more, would rather turn a little than stop, and pass oncoming ones on the right.
 """
 
 from __future__ import annotations
@@ -14,11 +14,13 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course, NoWay
+from ahmss.walking.turning_in import SHORTEST, cut, turned_into
 from ahmss.walking.walkers import LOOKED, MOVING, Walker
 
-__all__ = ["MET", "Option", "cut", "goes_first", "held_up", "least", "meets", "options", "turned_into"]
+__all__ = ["MET", "SAFE", "Option", "held_up", "least", "meets", "met", "options", "yields"]
 
 MET = 0.64  # metres apart at which one makes way
+SAFE = 0.6  # metres apart at least from where others tell that they will be, if it can be had
 _APART = 0.7  # metres that two walkers' middles shall keep apart where one goes round the other
 _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
@@ -32,15 +34,13 @@ _LIKELY = 0.8  # how much it counts that who walks may stop
 _SURE, _UNSURE = (0.8, 2.4), (1.0, 0.4)  # how much it counts (the latter) after so many seconds that who walks goes on
 _STOOD = 0.4  # how much it counts that who goes on comes near when one stands oneself: they can go round
 _SWAY = 0.09  # metres that hips go to a side before a step: one comes no nearer by it
+_HARDLY = 0.03  # metres that one who tells where they go is to come nearer to count
 _CLOSE, _TURNS, _TOUCHING = 0.78, 0.2, 0.42  # metres: who is so near may come so much nearer in turning, to leave
 _COMMITTED, _SET_OUT = 0.5, 0.8  # m/s: slower ones may still call off a start; slower ones may go any way
-_TOO_NEAR, _STIRS, _RECEDES = 1.5, 0.05, 0.3  # metres; m/s: of two so near one sets out, the other when that has left
+_LAG = 0.06  # seconds by which others are seen late: of two of whom either may be ahead then, both yield
+_OTHERWISE = 0.08  # metres by which a way that has been changed differs
 _SLACK = 0.85  # seconds sooner or later, at which who stands lets who walks pass
 _REACHED = 1.7  # metres from one's way within which who sets out may come into it
-_SHARPEST = 1.6  # 1/m, of a bend in which a walker turns in
-_GENTLE = 0.9  # 1/m: a bend as gentle as that is not made gentler
-_JOINS = (0.6, 0.9, 1.2, 1.6, 2.0, 2.6, 3.2)  # metres further on at which it may be on the other course
-_SAMPLE = 0.02
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Option:
 
 
 def least(own: Array, others: Sequence[Walker]) -> float:
-    """How near somebody comes (metres) to a walker who is at `own` (n, 2) at the times LOOKED.
+    """How near somebody comes (metres) to a walker who is at `own` (n, 2) at the times LOOKED, or longer.
 
     Who comes no nearer than they are now does not count.
     """
@@ -70,50 +70,58 @@ def meets(own: Array, others: Sequence[Walker]) -> bool:
     return least(own, [way for other in others for way in (other, *other.may_walk(), *other.may_stop())]) < MET
 
 
-def goes_first(own: Array, others: Sequence[Walker], beside: float) -> bool:
-    """Whether somebody who stands ahead, so near (metres), is to go before one who would go along `own` (n, 2)."""
-    for other in others:
-        way = other.place - own[0]
-        stands = np.linalg.norm(other.velocity) < MOVING and np.linalg.norm(way) < beside
-        if stands and other.precedes(own[0]) and way @ (own[-1] - own[0]) > 0.0:
-            return True
-    return False
-
-
 def held_up(own: Array, others: Sequence[Walker], nearer: float = 0.0, *, begun: bool, tired: bool = False) -> bool:
-    """Whether one should not set out along `own` (n, 2, at the times LOOKED), as others may come into the way.
+    """Whether one should not set out along `own` (n, 2), as others come into the way, or may, who tell no way.
 
-    Who sets out as well may go anywhere. One waits for them; but of two who begin at once one goes on.
+    Who sets out and tells none may go anywhere: one waits for them.
 
     Args:
-        own: where one would be. others: who is about.
+        own: where one would be at the times LOOKED and, as finely, after. others: who is about.
         nearer: metres less than MET that serve.
         begun: whether one has begun and could call it off.
         tired: whether one has waited long, and takes who is slow for one who stands.
     """
     ways: list[Walker] = []
     for other in others:
-        if _sets_out(other, own) and other.precedes(own[0]):
-            return True
+        if other.way is not None:
+            ways.append(other)
+            continue
         if not begun and _crosses(other, own) < MET - nearer:
             return True
         speed, way = float(np.linalg.norm(other.velocity)), other.place - own[0]
-        if speed < _COMMITTED and (tired or (begun and not other.precedes(own[0]))):
+        if speed < _COMMITTED and tired:
             ways.append(Walker(other.place, np.zeros(2)))
-        elif other.stops or not MOVING < speed < _SET_OUT:
-            ways.extend(other.may_go())
-        elif way @ (own[-1] - own[0]) > 0.0 and np.linalg.norm(own - other.place, axis=-1).min() < _REACHED:
+            continue
+        walks = not other.stops and speed >= _SET_OUT and way @ (own[-1] - own[0]) > 0.0
+        if walks and np.linalg.norm(own - other.place, axis=-1).min() < _REACHED:
             return True
-        else:
-            ways.extend(other.may_go())
+        ways.extend(other.may_go())
     return least(own, ways) < MET - nearer
 
 
-def _sets_out(other: Walker, own: Array) -> bool:
-    """Whether somebody near has just set out, as one would along `own` (n, 2), and has not left yet."""
-    off = other.place - own[0]
-    away, speed = float(np.linalg.norm(off)), float(np.linalg.norm(other.velocity))
-    return away < _TOO_NEAR and _STIRS < speed < _SET_OUT and float(other.velocity @ off) < _RECEDES * away
+def yields(own: Array, instead: Array, others: Sequence[Walker], before: Sequence[Walker]) -> bool:
+    """Whether one who has just told a new way takes it back, as somebody who goes first did so at the same time.
+
+    Args:
+        own: where one would be (n, 2) at the times LOOKED. instead: where one would be else.
+        others: who is about now. before: the same as they would be now by what they told when one decided.
+    """
+    speed = float(np.linalg.norm(own[1] - own[0])) / LOOKED[1]
+    changed: list[Walker] = []
+    for i, other in enumerate(others):
+        same = len(before) == len(others) and before[i].way is not None and not _differ(other, before[i])
+        if other.way is None or same:
+            continue
+        tie = _LAG * (speed + float(np.linalg.norm(other.velocity))) if speed > MOVING else 0.0
+        if other.stays or other.precedes(own[0], tie):  # who has taken theirs back, and stays, can't once more
+            changed.append(other)
+    near = least(own, changed)
+    return near < SAFE and near < least(instead, others)
+
+
+def _differ(one: Walker, other: Walker) -> bool:
+    """Whether two are not one who still goes the same way."""
+    return float(np.linalg.norm(one.after(LOOKED) - other.after(LOOKED), axis=-1).max()) > _OTHERWISE
 
 
 def _crosses(other: Walker, own: Array) -> float:
@@ -123,7 +131,7 @@ def _crosses(other: Walker, own: Array) -> float:
     """
     if float(np.linalg.norm(other.velocity)) < MOVING:
         return np.inf
-    times = LOOKED[: len(own)]
+    times = _times(own)
     away = np.linalg.norm(own[:, None] - other.after(LOOKED), axis=-1)
     near = float(away[np.abs(times[:, None] - LOOKED) < _SLACK].min())
     return near if near < away[0, 0] - _SWAY else np.inf
@@ -132,10 +140,31 @@ def _crosses(other: Walker, own: Array) -> float:
 def _approaching(own: Array, others: Sequence[Walker]) -> Iterator[Array]:
     """How far those are (n,) who come nearer."""
     for other in others:
-        away = np.linalg.norm(own - other.after(LOOKED[: len(own)]), axis=-1)
-        turns = away[0] < _CLOSE and away.min() > _TOUCHING
-        if away.min() < away[0] - (_TURNS if turns else _SWAY):
+        away = np.linalg.norm(own - other.after(_times(own)), axis=-1)
+        if other.stays and away[0] < _CLOSE and away.min() > _TOUCHING:
+            nearer = _TURNS
+        else:
+            nearer = _SWAY if other.way is None or other.stays else _HARDLY
+        if away.min() < away[0] - nearer:
             yield away
+
+
+def _times(own: Array) -> Array:
+    """The seconds of the places (n, 2) where one will be."""
+    return LOOKED if len(own) == len(LOOKED) else LOOKED[1] * np.arange(len(own))
+
+
+def met(own: Array, others: Sequence[Walker], side: float) -> list[tuple[float, float]]:
+    """Where those are (x, y) who come too near, each moved aside: to the left where `side` is 1."""
+    found: list[tuple[float, float]] = []
+    for other in others:
+        if least(own, [other]) < MET:
+            there = other.after(_times(own))
+            k = int(np.linalg.norm(own - there, axis=-1).argmin())
+            way = own[min(k + 3, len(own) - 1)] - own[max(k - 3, 0)]
+            way = way / max(float(np.linalg.norm(way)), 1e-9)
+            found.append(tuple((there[k] + side * _ASIDE * np.array([-way[1], way[0]])).tolist()))
+    return found
 
 
 def options(
@@ -185,14 +214,18 @@ def _ahead(course: Course, speed: float, *, stops: bool = False) -> Array:
 
 
 def _risk(own: Array, others: Sequence[Walker]) -> float:
-    """What it costs to be at `own` (n, 2) at the times LOOKED: others go on or stop, whichever costs more.
+    """What it costs to be at `own` (n, 2) at the times LOOKED.
 
-    Of those who go on it counts less later, when both can still do something, and when one stands oneself.
+    Who tells no way goes on or stops, whichever costs more; of those who go on it counts less later, when both can
+    still do something, and when one stands oneself.
     """
     speed = np.linalg.norm(np.gradient(own, LOOKED[1], axis=0), axis=-1)
-    trust = np.interp(LOOKED[: len(own)], _SURE, _UNSURE) * np.clip(speed, _STOOD, 1.0)
+    trust = np.interp(_times(own), _SURE, _UNSURE) * np.clip(speed, _STOOD, 1.0)
     risk = 0.0
     for other in others:
+        if other.way is not None:
+            risk += _nearness(own, other, 1.0)
+            continue
         moving = float(np.linalg.norm(other.velocity)) > MOVING
         ways = [(other, trust if moving else 1.0), *((way, _LIKELY) for way in other.may_stop())]
         ways += [(way, _LIKELY * trust) for way in other.may_walk() if not other.stops]
@@ -214,7 +247,7 @@ def _passing(
 ) -> Course | None:  # fmt: skip
     """A way round those who are met, on the right where `side` is 1, else on the left; None: there is none."""
     place, heading = rest.points[0], float(rest.heading[0])
-    if rest.length < _JOINS[0]:
+    if rest.length < SHORTEST:
         return None
     since = place + 0.3 * np.array([np.cos(heading), np.sin(heading)])
     try:
@@ -237,49 +270,3 @@ def _circles(rest: Course, speed: float, others: Sequence[Walker], side: float) 
         for later in (-_LATER, 0.0, _LATER) if moving else (0.0,):
             x, y = other.after(np.array(max(LOOKED[met] + later, 0.0))) + aside
             yield float(x), float(y), _APART
-
-
-def cut(course: Course, since: float, length: float) -> Course:
-    """So much of a course from a length on; beyond its end it goes on straight."""
-    points, heading = course.at(since + np.linspace(0.0, length, max(int(np.ceil(length / _SAMPLE)), 4) + 1))
-    return Course(points, heading, length)
-
-
-def turned_into(place: Array, heading: float, course: Course) -> Course | None:
-    """A course that leaves a place in a heading and passes over into another one; None: it would bend too sharply.
-
-    The curve between is a quintic whose bend begins and ends at 0; it is as short as is gentle enough.
-    """
-    best: tuple[float, Course] | None = None
-    for join in _JOINS:
-        if join > course.length - 0.3:
-            break
-        made = _joined(place, heading, course, join)
-        step = made.length / (len(made.points) - 1)
-        bend = float(np.abs(np.gradient(made.heading, step)).max())
-        if best is None or bend < 0.9 * best[0]:
-            best = bend, made
-        if bend < _GENTLE:
-            break
-    return best[1] if best is not None and best[0] < _SHARPEST else None
-
-
-def _joined(place: Array, heading: float, course: Course, join: float) -> Course:
-    end, towards = course.at(np.array(join))
-    reach = float(np.linalg.norm(end - place))
-    u = np.linspace(0.0, 1.0, max(int(np.ceil(reach / _SAMPLE)), 8) + 1)[:, None]
-    h = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
-    begin = reach * np.array([np.cos(heading), np.sin(heading)])
-    over = reach * np.array([np.cos(towards), np.sin(towards)])
-    curve = place + h * (end - place) + begin * (u - u**3 * (6.0 - 8.0 * u + 3.0 * u * u))
-    curve = curve + over * (u**3 * (-4.0 + 7.0 * u - 3.0 * u * u))
-    left = course.length - join
-    rest, _ = course.at(join + np.linspace(0.0, left, max(int(np.ceil(left / _SAMPLE)), 2) + 1)[1:])
-    points = np.concatenate([curve, rest])
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=-1))])
-    even = np.linspace(0.0, along[-1], int(np.ceil(along[-1] / _SAMPLE)) + 1)
-    points = np.stack([np.interp(even, along, points[:, i]) for i in range(2)], axis=-1)
-    step = np.gradient(points, axis=0)
-    headings = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    headings += 2.0 * np.pi * np.round((heading - headings[0]) / (2.0 * np.pi))
-    return Course(points, headings, float(even[-1]))

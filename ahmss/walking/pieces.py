@@ -9,12 +9,18 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.way import AHEAD
 from ahmss.walking.clearing import clearing
 from ahmss.walking.journey import Footing, Journey
 from ahmss.walking.leeway import Leeway
+from ahmss.walking.library import RATE
 from ahmss.walking.shaping import Shaping
 
-__all__ = ["Clearing", "Ground", "Piece", "footing_at", "piece", "standing_piece"]
+__all__ = [
+    "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "standing_piece", "ways_of",
+]  # fmt: skip
+
+_AHEAD = np.round(AHEAD * RATE).astype(np.intp)  # frames
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,7 @@ class Ground:
 class Piece:
     """Frames of a trip to be made next: rotations (n, 15, 4), root (n, 3), ankles (n, 2, 3), feet (n, 2, 4).
 
+    ways: (n, 6, 2) where the hips will be, told with each frame, as `ahmss.motion.way` has it.
     meanwhile: what is to be thought of before the next piece, of which a part may be done with each frame.
     """
 
@@ -37,18 +44,38 @@ class Piece:
     root: Array
     ankles: Array
     feet: Array
+    ways: Array
     meanwhile: Clearing | None = field(default=None, kw_only=True)
 
 
 def piece(going: Journey, first: int, last: int) -> Piece:
     """The frames after `first` up to `last`."""
     shaped = going.shaping.part(first + 1, last + 1)
-    return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet)
+    ways = ways_of(going.shaping.level, first + 1, last + 1)
+    return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet, ways)
+
+
+def part(step: Piece, first: int, end: int) -> Piece:
+    """The frames of a piece from `first` to the one before `end`."""
+    own = slice(first, end)
+    return Piece(step.rotations[own], step.root[own], step.ankles[own], step.feet[own], step.ways[own])
+
+
+def repeated(stands: Piece, count: int) -> Piece:
+    """A piece of one frame so many times."""
+    parts = (stands.rotations, stands.root, stands.ankles, stands.feet, stands.ways)
+    return Piece(*(np.repeat(part, count, axis=0) for part in parts))
+
+
+def ways_of(level: Array, first: int, end: int) -> Array:
+    """What is told (n, 6, 2) with the frames from `first` to the one before `end` by hips that will be at `level`."""
+    return level[np.minimum(np.arange(first, end)[:, None] + _AHEAD, len(level) - 1)]
 
 
 def standing_piece(going: Journey, end: int) -> Piece:
     """The frame in which a walk begins, where `end` is 0, or ends, where it is -1."""
-    return piece(going, going.seams[end] - 1, going.seams[end])
+    stands = piece(going, going.seams[end] - 1, going.seams[end])
+    return replace(stands, ways=np.repeat(stands.root[:, None, :2], len(_AHEAD), axis=1))
 
 
 def footing_at(going: Journey, end: int) -> Footing:

@@ -1,24 +1,124 @@
-"""Whether a way out of others' way is one that a person takes: past things, and in steps that people make."""
+"""How a walker makes way at the end of a step: which walk it becomes, past things, in steps that people make."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ahmss.body.array import Array
+from ahmss.walking.catalogue import STRAIGHT, Key, Stride
 from ahmss.walking.course import Course
-from ahmss.walking.journey import Journey
+from ahmss.walking.journey import Journey, onward, stride_at
 from ahmss.walking.library import RATE
+from ahmss.walking.makingway import SAFE, Option, least, options
+from ahmss.walking.nominal import clip_of, length_of
+from ahmss.walking.pacing import Paced
+from ahmss.walking.planning import RADIUS, Circle, Planner, ahead
+from ahmss.walking.turning_in import cut
+from ahmss.walking.walkers import Walker
 
-__all__ = ["natural", "touches"]
+__all__ = ["Pace", "WayOut", "way_out"]
 
+# The ends by which one stops, and to what share of their length.
+_STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("small", 1.0), ("normal", 1.0))
+_TRIED = 6  # ways out that are looked at closely
 _THINGS = 0.17  # metres from things that who makes way may come
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
 
 
-def natural(going: Journey, height: float) -> bool:
+@dataclass(frozen=True)
+class Pace:
+    """How fast a walker goes that makes no way.
+
+    rate: frames of the clips that pass in one; least and most: as it may become. left: frames to take; 0: any.
+    """
+
+    rate: float = 1.0
+    least: float = 1.0
+    most: float = 1.0
+    left: int = 0
+
+    def hurried(self, frames: int) -> float:
+        """The rate of who would take so many frames, and has these left."""
+        return float(np.clip(frames / self.left * self.rate, self.least, self.most))
+
+
+@dataclass(frozen=True)
+class WayOut:
+    """What a walk becomes: the new one, whether it stops, its rate, on which side it passes others (0: none)."""
+
+    going: Journey
+    stops: bool
+    rate: float
+    side: float
+
+
+def way_out(
+    planner: Planner, going: Journey, seam: int, others: Sequence[Walker], pace: Pace, side: float
+) -> WayOut | None:
+    """The walk from a seam on that makes way best; None: going on as it is is best.
+
+    Of what comes too near to where others tell that they will be, nothing is taken if there is anything else.
+
+    Args:
+        planner: plans courses. going: the walk as it is. pace: of it.
+        others: who is about when it has come to the seam.
+        side: on which it has begun to pass them; 0: on neither.
+    """
+    stride, standing, library = stride_at(going, seam), planner.standing, planner.library
+    scale = standing.height / library.hip_height
+    straight = clip_of(library, STRAIGHT)
+    speed = pace.rate * scale * length_of(straight) * RATE / straight.frames
+    since = float(going.line.along(going.nominal.root[going.seams[seam], :1])[0][0])
+    course = going.line.course
+    if isinstance(course, Paced):
+        course, since = course.course, float(course.placed(since))
+    rest = cut(course, since, course.length - since)
+    stops = [
+        share * scale * length_of(clip_of(library, Key("end", 0, 0, size, stride.ahead))) for size, share in _STOPS
+    ]
+
+    def around(place: Array, heading: float, circles: Sequence[Circle]) -> Course:
+        return planner.course(place, heading, [(x, y, apart - RADIUS) for x, y, apart in circles])
+
+    def made(option: Option) -> WayOut:
+        """The walk that an option is, as quick as the frames that are left want it after it has been slow."""
+        facing = float(option.course.heading[-1])
+        if planner.facing is not None and not option.stops:
+            facing = planner.facing
+        rate = pace.rate
+        new = onward(planner.skeleton, library, standing, stride, option.course, facing, rate, option.slow)
+        if pace.left and not option.stops:
+            rate = pace.hurried(len(new.rates))
+            new = onward(planner.skeleton, library, standing, stride, option.course, facing, rate, option.slow)
+        return WayOut(new, option.stops, rate, option.side)
+
+    told = [other for other in others if other.way is not None]
+    own, tried = ahead(going, going.seams[seam]), 0
+    best: WayOut | None = None
+    nearest = -np.inf
+    for option in options(own, rest, stops, speed, others, around, side):
+        if option.course is rest and option.slow == 1.0:
+            found, near = None, least(own, told)
+        else:
+            if tried == _TRIED or (option.course is not rest and _touches(option.course, planner.things)):
+                continue
+            found, tried = made(option), tried + 1
+            if not _natural(found.going, standing.height):
+                continue
+            near = least(ahead(found.going, 0), told)
+        if near > nearest:
+            best, nearest = found, near
+        if near > SAFE:
+            break
+    return best
+
+
+def _natural(going: Journey, height: float) -> bool:
     """Whether the next steps of a walk are such as a person makes whose hips are so high in standing, metres."""
     root = going.shaping.part(0, min(going.shaping.frames, 2 * going.seams[1])).root
     moved = np.diff(root, axis=0) * RATE
@@ -29,7 +129,7 @@ def natural(going: Journey, height: float) -> bool:
     )
 
 
-def touches(course: Course, things: NDArray[Any]) -> bool:
+def _touches(course: Course, things: NDArray[np.object_]) -> bool:
     """Whether a course comes too near to things, polygons, soon, and nearer than where it begins."""
     points = course.points[:150]
     if not len(things) or len(points) < 2:

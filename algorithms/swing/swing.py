@@ -29,9 +29,11 @@ from ahmss.grasping.rolling import wrapped_at
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import Cylinder, closed, opened
 from ahmss.motion.planting import feet
+from ahmss.motion.way import staying
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.waist import bent_towards
 from ahmss.walking.goals import Goal
+from ahmss.walking.pieces import ways_of
 from ahmss.walking.trip import Ground, Trip
 
 UPWARD = np.array([0.0, 0.0, 1.0])
@@ -132,6 +134,7 @@ def swing(task: HumanTask) -> Iterator[Array]:
     rows, palms, shape, bends = (np.concatenate(column) for column in zip(*parts, strict=True))
     _loosened(task, door.hand, rows, len(comes[0]))
     rows = Tucking(task, but=door.hand).over(rows)
+    rows[:, 260:] = ways_of(rows[:, 1:3], 0, len(rows)).reshape(len(rows), -1)
     yield hand.brought(rows, palms, shape, bends)
 
 
@@ -402,12 +405,12 @@ def _by_shape(task: HumanTask, door: Door, palm: Transform, angle: Array, fists:
 
 
 def _standing(task: HumanTask, stance: Stance, n: int) -> Array:
-    """POSE rows (n, 260) of standing as one stands."""
+    """POSE rows (n, 272) of standing as one stands."""
     targets = np.zeros((n, 5, 8))
     targets[:, RIGHT_FOOT : LEFT_FOOT + 1, :7] = feet(task.human, stance.rotations, stance.root)
     targets[:, RIGHT_FOOT : LEFT_FOOT + 1, 7] = 1.0
     rotations, root = np.repeat(stance.rotations[None], n, axis=0), np.repeat(stance.root[None], n, axis=0)
-    return task.block(rotations, root, np.repeat(IMPORTANCE[None], n, axis=0), targets)
+    return task.block(rotations, root, np.repeat(IMPORTANCE[None], n, axis=0), targets, staying(stance.root[:2]))
 
 
 if __name__ == "__main__":

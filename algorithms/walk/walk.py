@@ -17,6 +17,7 @@ from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.motion.way import staying
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library
@@ -75,10 +76,10 @@ def _stands_there(task: HumanTask, library: Library, goal: Goal) -> bool:
 
 
 def _stays(task: HumanTask) -> Array:
-    """POSE rows (n, 260) of standing as one does: as many as were asked for, else two."""
+    """POSE rows (n, 272) of standing as one does: as many as were asked for, else two."""
     n = task.length or 2
     frames = feet(task.human, task.start.rotations, task.start.root)
-    rows = [task.start.rotations[:BODY], task.start.root, frames[:, :3], frames[:, 3:]]
+    rows = [task.start.rotations[:BODY], task.start.root, frames[:, :3], frames[:, 3:], staying(task.start.root[:2])]
     return rows_of(task, Piece(*(np.repeat(row[None], n, axis=0) for row in rows)))
 
 

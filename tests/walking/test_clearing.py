@@ -64,7 +64,7 @@ def test_some_of_these_legs_would_be_in_it() -> None:
         trip = Trip(body.skeleton, m.library(), Ground([TABLE]), np.array(goal[:2]), float(np.radians(goal[2])))
         rotations, root = body.at((0.0, 0.0), 0.0)
         now = m.footing(body.skeleton, rotations, root, body.standing)
-        going = trip._set_out(now).shaped  # pyright: ignore[reportPrivateUsage]
+        going = trip.planner.walk(now).shaped
         whole = np.repeat(body.rotations[None], len(going.root), axis=0)
         whole[:, :BODY] = going.rotations
         lacks.append(nearest("ken", whole, going.root, TABLE))

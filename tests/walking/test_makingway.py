@@ -9,7 +9,8 @@ import pytest
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course, NoWay, plan
-from ahmss.walking.makingway import MET, Option, cut, least, options, turned_into
+from ahmss.walking.makingway import MET, Option, least, options
+from ahmss.walking.turning_in import cut, turned_into
 from ahmss.walking.walkers import LOOKED, Walker
 
 STILL = np.zeros(2)

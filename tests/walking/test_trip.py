@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -246,14 +246,16 @@ def both(first: tuple[float, float], second: tuple[float, float], goals: Sequenc
 
 def together(
     starts: Sequence[tuple[float, float]], goals: Sequence[tuple[float, float]], *,
-    names: Sequence[str] = ("ken",), facing: Sequence[float] = (), later: int = 0,
+    names: Sequence[str] = ("ken",), facing: Sequence[float] = (), later: int = 0, late: int = 1,
 ) -> list[Array]:  # fmt: skip
-    """Trips at once, each seeing the others' last frames; the hips' ways (F, 3) of all.
+    """Trips at once, each seeing the others' frames, and what they tell with them, so many frames late; the hips'
+    ways (F, 3) of all.
 
     names: their bodies, in turn. facing: degrees; towards the goal if left out. later: frames by which the last begins.
     """
     roots: list[list[Array]] = []
     faced: list[list[float]] = []
+    told: list[list[Array | None]] = []
     walks = []
 
     def seen(own: int) -> Callable[[], Sequence[Walker]]:
@@ -261,8 +263,9 @@ def together(
             found: list[Walker] = []
             for i, way in enumerate(roots):
                 if i != own:
-                    places, angles = np.array(way[-70:])[:, :2], np.array(faced[i][-70:])
-                    found.append(Walker.of(np.arange(len(places)) / RATE, places, "", angles))
+                    seen = slice(max(begun - late - 70, 0), max(begun - late, 0) + 1)
+                    places, angles = np.array(way[seen])[:, :2], np.array(faced[i][seen])
+                    found.append(Walker.of(np.arange(len(places)) / RATE, places, "", angles, told[i][seen][-1]))
             return found
 
         return now
@@ -272,8 +275,9 @@ def together(
         rotations, root = body.at(place, facing[i] if facing else float(np.degrees(np.arctan2(way[1], way[0]))))
         roots.append([root])
         faced.append([yaw(rotations[0])])
+        told.append([None])
         one = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, seen(i))
-        walks.append(k for piece in one.pieces(rotations, root) for k in zip(piece.root, piece.rotations, strict=True))
+        walks.append(frames(one, rotations, root))
     going, begun = set(range(len(starts))), 0
     while going:
         begun += 1
@@ -283,8 +287,9 @@ def together(
             made = next(walk, None)
             if made is None:
                 going.discard(i)
-            root, rotations = (roots[i][-1], None) if made is None else made  # who has arrived stands there
+            root, rotations, way = (roots[i][-1], None, None) if made is None else made  # who has arrived stands there
             roots[i].append(root)
+            told[i].append(way)
             faced[i].append(faced[i][-1] if rotations is None else yaw(rotations[0]))
         assert max(map(len, roots)) < 2400, "they never arrive"
     for way in roots:
@@ -293,6 +298,11 @@ def together(
     for way in made:
         upright(way[1:])
     return made
+
+
+def frames(one: Trip, rotations: Array, root: Array) -> Iterator[tuple[Array, Array, Array]]:
+    for piece in one.pieces(rotations, root):
+        yield from zip(piece.root, piece.rotations, piece.ways, strict=True)
 
 
 def yaw(hips: Array) -> float:
@@ -442,11 +452,11 @@ def test_who_makes_way_still_takes_the_frames_asked_for() -> None:
 
 
 def test_a_start_is_called_off_for_who_comes() -> None:
-    """They begin to walk across as the walker shifts its weight."""
-    made = go((4.0, 0.0), 0.0, others=walking((1.6, -2.6), (0.0, 1.0), begin=0.1, end=9.0))
+    """They begin to walk across as the walker shifts its weight, and tell nothing."""
+    made = go((4.0, 0.0), 0.0, others=walking((1.6, -2.6), (0.0, 1.0), begin=0.2, end=9.0))
     check(made, (4.0, 0.0), 0.0)
     assert made.nearest() > APART
-    alone = go((4.0, 0.0), 0.0)
-    assert made.pieces[0] == alone.pieces[0]
-    assert made.pieces[1] == 2 * made.pieces[0]  # back again, no step
-    assert np.linalg.norm(made.walk.root[3 * made.pieces[0] - 1] - made.walk.root[-1] + [4.0, 0.0, 0.0]) < 0.01
+    told, shifted, back = made.pieces[:3]
+    assert told < shifted == go((4.0, 0.0), 0.0).pieces[0]
+    assert back == 2 * shifted  # back again, no step
+    assert np.linalg.norm(made.walk.root[told + 3 * shifted - 1] - made.walk.root[0]) < 1e-9
