@@ -50,16 +50,18 @@ def test_a_way_is_seen_by_viewers_and_mains_until_a_frame_comes_without(start, c
 
 
 def test_the_way_of_who_stays_behind_or_is_lost_or_comes_again_is_forgotten(start, connect):
-    server = start(lease_s=1.0, grace_s=30.0)
+    server = start(grace_s=30.0)
     mains = {name: connect(server) for name in ("stays", "is_lost", "comes_again")}
     viewer = connect(server)
     for name, client in mains.items():
         join(client, name)
         client.publish(name, 1, ROOT, ROTATIONS, way=WAY)
     eventually(lambda: all(told(viewer.refresh(), name) for name in mains))
-    mains["stays"].leave("stays", stay=True)
-    mains["is_lost"].close()
     join(mains["comes_again"], "comes_again")
+    assert [told(viewer.refresh(), name) for name in mains] == [True, True, False]
+    mains["stays"].leave("stays", stay=True)
+    assert [told(viewer.refresh(), name) for name in mains] == [False, True, False]
+    mains["is_lost"].close()
     eventually(lambda: not any(told(viewer.refresh(), name) for name in mains))
     assert viewer.world.humans.keys() == mains.keys()
 
