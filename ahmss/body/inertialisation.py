@@ -18,6 +18,7 @@ from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply
 __all__ = ["Channel", "Inertialiser", "Places", "Rotations"]
 
 _SECONDS = 0.4  # how long a difference takes to decay
+_FASTEST = np.radians(318.0)  # a second, that a joint's difference decays at the most: 5.3 degrees in a frame at 60 Hz
 _STEEPEST = 1.875  # of the quintic of an offset, as a share of the offset over its time
 _DAMPING = 0.7  # of the velocity, a frame, where sources change so fast that the body carries on by itself for longer
 
@@ -167,8 +168,8 @@ class Inertialiser:
     """
 
     def __init__(self, rate: float, seconds: float = _SECONDS, joints: int = 43) -> None:
-        """Smooth at a rate (frames a second) over some seconds."""
-        self.rotations = Rotations(joints, rate, seconds)
+        """Smooth at a rate (frames a second) over some seconds, a joint that has far to turn for longer."""
+        self.rotations = Rotations(joints, rate, seconds, _FASTEST)
         self.root = Places(1, rate, seconds)
 
     @property

@@ -116,6 +116,20 @@ def test_changes_that_follow_each_other_stay_smooth():
     assert np.array_equal(out[-1], sources[-1])
 
 
+@pytest.mark.parametrize("degrees", [85.0, 150.0])
+def test_a_joint_that_has_far_to_turn_takes_longer_and_the_others_do_not(degrees):
+    """85 degrees are an arm that was drawn in and hangs again."""
+    sources = np.repeat(np.tile([1.0, 0.0, 0.0, 0.0], (43, 1))[None], 70, axis=0)
+    sources[5:] = turn(0.0, np.radians(20.0), 0.0)
+    sources[5:, 7] = turn(0.0, np.radians(degrees), 0.0)
+    out, _, _ = play(sources, {5: ALL})
+    turned = np.linalg.norm(steps(out), axis=-1)
+    assert turned.max() < 5.5
+    np.testing.assert_allclose(turned.sum(axis=0)[[7, 8]], [degrees, 20.0], atol=1e-6)
+    assert np.flatnonzero(turned[:, 8] > 1e-9)[-1] < 5 + 25  # in 0.4 s
+    assert np.flatnonzero(turned[:, 7] > 1e-9)[-1] < 5 + 56
+
+
 def test_half_a_turn_away_has_no_jump():
     a = np.tile([1.0, 0.0, 0.0, 0.0], (10, 43, 1))
     wobble = np.stack([np.tile(turn(0.0, 0.0, np.pi + 0.02 * np.sin(k)), (43, 1)) for k in range(60)])
