@@ -59,6 +59,15 @@ class Tucking:
         self._wanted = dict.fromkeys(_SIDES, first > 0)
         self._frames, self._rests, self._last = 0, False, (np.zeros((0, 0)), np.zeros((0, 0)))
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
+        for side in self._already():
+            self._level[side][:], self._wanted[side] = 1.0, True
+
+    def _already(self) -> list[str]:
+        """The arms that are drawn in as one sets out, as one came there: let down at once they would be in things."""
+        if not len(self._pose):
+            return []
+        off = np.linalg.norm(to_rotation_vector(multiply(conjugate(self._pose), self._task.start.rotations)), axis=-1)
+        return [side for side in self._sides if max(off[INDEX[f"{side}_{link}"]] for link in _ARM) < _OTHERS]
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""

@@ -101,6 +101,17 @@ def test_who_waits_beside_a_counter_keeps_still_and_goes_on_as_if_each_frame_wer
     assert heights[2] < heights[1] - 0.1  # down again, where there is room
 
 
+def test_who_sets_out_with_a_hand_drawn_in_beside_a_counter_keeps_it_so_until_there_is_room() -> None:
+    task, rows = stood(np.array([2.86, 0.25, 0.0]))
+    task.start = HumanFrame(Tucking(task).over(rows)[-1])  # as one came there
+    goes = np.repeat(rows[:1], 200, axis=0)
+    goes[:, 1] -= 0.8 * minimum_jerk(np.arange(-60, 140) / 90)
+    right = palms(Tucking(task, first=0).over(goes))[:, 0]
+    before = palms(task.start.row[None])[0, 0]
+    assert np.abs(right[:40] - before).max() < 0.03
+    assert right[-1, 2] < before[2] - 0.2  # and hangs again
+
+
 def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_alone() -> None:
     for at in (palms(walked(np.array([2.0, 1.2, 0.0]))), palms(walked(np.array([2.86, 0.25, 0.0]), "right"))):
         np.testing.assert_allclose(at[-1], at[0], atol=1e-9)
