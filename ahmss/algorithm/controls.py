@@ -50,7 +50,9 @@ _FLAT = 0.004  # metres: what is no higher is in nobody's way
 _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
 _AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
 _ASIDE = 0.14  # metres that the hand's own side is before the control
-_BESIDE = tuple(itertools.product((0.3, 0.42), (0.54, 0.62, 0.46)))  # the same two, beside who stands there
+_BESIDE = tuple(
+    itertools.product((0.3, 0.42, 0.5, 0.56), (0.54, 0.62, 0.46, 0.38))
+)  # the same two, beside who stands there
 _ROOM, _STANDING = 0.66, 0.1  # metres between the middles of two who stand side by side; m/s: who is slower stands
 _AT_EASE, _FROM_HERE = (
     0.9,

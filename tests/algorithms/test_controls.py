@@ -181,7 +181,7 @@ def standing(name: str, x: float, y: float) -> ObjectRecord:
     return ObjectRecord(-7, name, "human", (x, y, 0.0), (1.0, 0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize("place", [(-1.0, 0.0), (-1.1, 0.1), (0.05, 0.55), (0.05, -0.55)])
+@pytest.mark.parametrize("place", [(-1.0, 0.0), (-1.1, 0.1), (0.05, 0.55), (0.05, -0.55), (0.0, -0.2), (0.1, 0.1)])
 def test_who_stands_on_the_way_or_beside_the_control_is_not_walked_through(place: tuple[float, float]) -> None:
     lever, body = control("lever", 75.0), Body("ken", -2.2, 0.0, 0.0)
     start = Layout((lever,)).start(lever, body, "slide", {"level": 0.0}, world=[standing("aiko", *place)])
