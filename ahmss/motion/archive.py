@@ -15,7 +15,7 @@ import numpy as np
 
 from ahmss.errors import DataError
 
-__all__ = ["read", "write"]
+__all__ = ["names", "read", "write"]
 
 _LARGEST = 256 * 2**20  # bytes of one array once unpacked: some 20 hours at 60 Hz would be hostile, not long
 _UNREADABLE = (  # what zipfile and numpy raise at content that is not theirs, encrypted or hostile
@@ -48,6 +48,21 @@ def read(path: Path, what: str) -> dict[str, Any]:
     except _UNREADABLE as error:
         raise DataError(path, "", f"not a {what} that can be read ({error}); it must be an .npz file") from error
     return arrays
+
+
+def names(path: Path, what: str) -> set[str]:
+    """The names of the arrays, none of which is unpacked.
+
+    Raises:
+        DataError: the file is missing or broken.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return {entry.filename.removesuffix(".npy") for entry in archive.infolist()}
+    except FileNotFoundError:
+        raise DataError(path, "", f"no such {what}") from None
+    except _UNREADABLE as error:
+        raise DataError(path, "", f"not a {what} that can be read ({error}); it must be an .npz file") from error
 
 
 def write(path: Path, arrays: Mapping[str, Any]) -> None:

@@ -143,7 +143,7 @@ def load(path: Path) -> Library:
 def is_library(path: Path) -> bool:
     """Whether a file holds a walk library rather than one clip; a file that can't be read holds none."""
     try:
-        return set(archive.read(path, "walk library")) == set(_ARRAYS)
+        return archive.names(path, "walk library") == set(_ARRAYS)
     except DataError:
         return False
 

@@ -167,3 +167,10 @@ def test_every_clip_gets_somewhere_and_the_small_stride_less_far() -> None:
         assert length_of(clip) > 0.05, key.name
         if key.stride == "small":
             assert length_of(clip) < length_of(clips[replace(key, stride="normal")]), key.name
+
+
+def test_whether_a_file_is_a_library_is_seen_without_unpacking_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is asked at the beginning of a motion, whose first frames wait for it."""
+    monkeypatch.setattr("numpy.lib.format.read_array", None)
+    assert is_library(m.ROOT / "objectdb" / "floor" / "walk.npz")
+    assert not is_library(m.ROOT / "objectdb" / "cup" / "drink.npz")
