@@ -29,12 +29,14 @@ THUMB_ROOT = np.interp(ALONG, [0.0, 0.4, 0.7], [1.3, 1.25, 1.0])  # the same of 
 TIP = np.interp(ALONG, [0.0, 0.6, 0.8, 1.0], [1.0, 1.0, 0.93, 0.65])  # a last link's radius along it, of its own
 LENGTH = 0.095  # metres of the hand of which the palm's balls were taken
 # Along the hand, out of the palm, to the little finger's side; the skin there is as far out as the palm's middle is, or
-# further: the middle in a line across, the fingers' roots, the balls of thumb and little finger.
+# further: the middle in a line across, before the fingers, the fingers' roots, the balls of thumb and little finger,
+# the web.
 PALM = np.array([
     [0.076, 0.0, -0.022], [0.076, 0.0, -0.0019], [0.076, 0.0, 0.02],
+    [0.0845, -0.0015, -0.024], [0.0845, -0.0015, -0.004], [0.0845, -0.0015, 0.0165],
     [0.093, 0.0, -0.0247], [0.093, 0.0, -0.0057], [0.093, 0.0, 0.0133],
     [0.030, 0.0095, -0.015], [0.046, 0.0105, -0.022], [0.034, 0.004, 0.02],
-    [0.063, 0.0048, -0.029],
+    [0.063, 0.0048, -0.029], [0.0705, 0.003, -0.0275],
 ])  # fmt: skip
 X = np.array([1.0, 0.0, 0.0])
 
@@ -149,6 +151,12 @@ class Hand:
         places = palms[:, :3] - rotate(q_object_hand, self.grip[:3])
         seen = places[:, None, None] + rotate(q_object_hand[:, None, None], middles)
         return -float((solid.clearance(seen) - radii).min())
+
+    def palm_depth(self, solid: Solid, palms: Array) -> Array:
+        """How deep the skin of the palm is in a solid, metres (F), negative outside, its frame at places (F, 7)."""
+        q_object_hand = multiply(palms[:, 3:], np.broadcast_to(conjugate(self.grip[3:]), palms[:, 3:].shape))
+        balls = palms[:, None, :3] + rotate(q_object_hand[:, None], self.palm - self.grip[:3])
+        return self.palm_radius - solid.clearance(balls).min(axis=-1)
 
     def flexion(self, rotations: Array) -> Array:
         """The flexions (..., 4, 3) of the fingers of rotations (..., 14, 4), radians."""

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanFrame, ObjectPose, ObjectTask, Transform, run
+from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 
@@ -26,8 +27,8 @@ def door(task: ObjectTask) -> Iterator[ObjectPose]:
     closed = Transform(task.object.place.copy(), multiply(task.object.rotation, from_axis_angle(UP, -angle)))
     names = (task.message.site, f"{task.message.site}_back")
     knobs = np.array([task.object.sites[name].position for name in names if name in task.object.sites])
-    from_hand: float | None = None  # what the door's angle is beyond the hand's, from the moment that it is held
-    held_by = ""
+    held: Array | None = None  # the knob's place as the palm has it, from the moment that it is held
+    from_hand, held_by = 0.0, ""  # what the door's angle is beyond that place's bearing
     for human in task.frames():
         palms = {side: closed.inverse().apply(human.grip(side).place) for side in sides}
         at = rotate(from_axis_angle(UP, angle), knobs)
@@ -35,13 +36,21 @@ def door(task: ObjectTask) -> Iterator[ObjectPose]:
         side = held_by or min(near, key=lambda side: near[side])
         there = near[side] <= task.parameter("threshold", 0.05)
         if not there or not _holds(human, side, task.parameter("closed_hand", 85.0)):
-            from_hand, held_by = None, ""
+            held, held_by = None, ""
         else:
-            bearing = float(np.arctan2(palms[side][1], palms[side][0]))
-            if from_hand is None:
-                from_hand, held_by = angle - bearing, side
-            angle = float(np.clip(bearing + from_hand, 0.0, LARGEST))
+            if held is None:
+                knob = at[np.linalg.norm(at - palms[side], axis=1).argmin()]
+                held, held_by = human.grip(side).inverse().apply(closed.apply(knob)), side
+                from_hand = angle - _bearing(knob)
+            # The palm may turn on the knob: what goes along the arc is the place where it has it.
+            place = closed.inverse().apply(human.grip(side).apply(held))
+            angle = float(np.clip(_bearing(place) + from_hand, 0.0, LARGEST))
         yield task.pose(None, multiply(closed.rotation, from_axis_angle(UP, angle)), _told(task, angle))
+
+
+def _bearing(place: Array) -> float:
+    """Where a place (3,) of the closed door's frame is, radians about the hinge."""
+    return float(np.arctan2(place[1], place[0]))
 
 
 def _holds(human: HumanFrame, side: str, degrees: float) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.pacing import paced
 from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, until_free, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.arm_path import follow
@@ -134,8 +135,11 @@ def swing(task: HumanTask) -> Iterator[Array]:
     rows, palms, shape, bends = (np.concatenate(column) for column in zip(*parts, strict=True))
     _loosened(task, door.hand, rows, len(comes[0]))
     rows = Tucking(task, but=door.hand).over(rows)
-    rows[:, 260:] = ways_of(rows[:, 1:3], 0, len(rows)).reshape(len(rows), -1)
-    yield hand.brought(rows, palms, shape, bends)
+    steps = np.arange(len(rows))
+    stands = (steps < len(comes[0])) | (steps >= len(rows) - len(parts[2][0]))
+    made = paced(hand.brought(rows, palms, shape, bends), [*range(43)[hand.reacher.links], *hand.links], stands)
+    made[:, 260:] = ways_of(made[:, 1:3], 0, len(made)).reshape(len(made), -1)
+    yield made
 
 
 Part = tuple[Array, Array, Array, Array]
@@ -382,6 +386,7 @@ def _grip(task: HumanTask, door: Door) -> tuple[Transform, Array]:
     to_fingers = np.cos(pitch) * UPWARD + np.sin(pitch) * into
     palm = Transform(door.lever - (radius + PALM) * out - INTO_FINGERS * to_fingers, rotation)
     angle = np.linspace(door.angle, door.wanted, FISTS)
+    palm = Transform(palm.place - _too_deep(task, door, palm, angle) * out, rotation)
     row = Reacher.of(task.human, side).row
     seen = palm.then(Transform.of(task.human.grips[row]).inverse()).inverse()  # the leaf as the hand sees it
     fists: list[Array] = []
@@ -392,16 +397,29 @@ def _grip(task: HumanTask, door: Door) -> tuple[Transform, Array]:
     return palm, _by_shape(task, door, palm, angle, np.stack(fists))
 
 
+def _too_deep(task: HumanTask, door: Door, palm: Transform, angle: Array) -> float:
+    """Metres by which the palm is in the lever at some of the angles (m) of the leaf, where its shape is known."""
+    thing = task.object
+    if thing is None or thing.shape is None:
+        return 0.0
+    palms = _on_leaf(door, palm, angle)
+    return float(Hand.of(task.human, door.hand).palm_depth(thing.shape.field(door.lever), palms).max(initial=0.0))
+
+
 def _by_shape(task: HumanTask, door: Door, palm: Transform, angle: Array, fists: Array) -> Array:
     """The fists (m, 14, 4) closed onto the leaf's own shape at angles (m) of it, where that is known."""
     thing = task.object
     if thing is None or thing.shape is None:
         return fists
+    palms = _on_leaf(door, palm, angle)
+    return wrapped_at(Hand.of(task.human, door.hand), thing.shape.field(door.lever), palms, fists)
+
+
+def _on_leaf(door: Door, palm: Transform, angle: Array) -> Array:
+    """The palm (m, 7) as the leaf has it at angles (m)."""
     palms = Transform.of(door.palms(palm, angle, np.zeros(len(angle))))
     turned = multiply(door.closed.rotation, from_axis_angle(np.broadcast_to(UPWARD, (len(angle), 3)), angle))
-    leaf = Transform(np.broadcast_to(door.closed.place, (len(angle), 3)), turned)
-    field, seen = thing.shape.field(door.lever), leaf.inverse().then(palms).row()
-    return wrapped_at(Hand.of(task.human, door.hand), field, seen, fists)
+    return Transform(np.broadcast_to(door.closed.place, (len(angle), 3)), turned).inverse().then(palms).row()
 
 
 def _standing(task: HumanTask, stance: Stance, n: int) -> Array:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm import ObjectPose, Transform, frames
+from ahmss.algorithm import HumanPose, ObjectPose, Transform, frames
 from ahmss.algorithm.messages import Start
 from ahmss.algorithm.performance import Performance
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, to_rotation_vector
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 
 from .scene import CUP, DOOR, Body, frame_of, program
 
@@ -75,6 +75,30 @@ def test_the_door_stops_when_the_hand_leaves_its_arc() -> None:
     angle = angles(poses)
     assert 1.0 < angle[109] < 29.0
     assert angle[111:] == pytest.approx(angle[110])
+
+
+def test_a_palm_that_turns_on_the_knob_does_not_turn_the_door() -> None:
+    body = at_door()
+    shown = body.do("playback", body.start(DOOR, "play_open"))[:110]
+    leaf = frame_of(DOOR).then(Transform(np.zeros(3), from_axis_angle(UP, np.radians(turned_by(shown)))))
+    knob, along = leaf.apply(np.array([0.68, -0.075, 1.02])), rotate(leaf.rotation, np.array([1.0, 0.0, 0.0]))
+    for degrees in np.linspace(0.0, 25.0, 20):
+        turn = from_axis_angle(along, np.radians(degrees))
+        rotations = shown[109].rotations.copy()
+        rotations[0] = multiply(turn, rotations[0])
+        root = knob + rotate(turn, shown[109].root - knob)
+        shown.append(HumanPose(rotations, root, shown[109].importance, shown[109].targets))
+    angle = angles(list(frames(program("door"), body.start(DOOR, "play_open", kind="object"), body.rows(shown))))
+    assert angle[109] > 1.0
+    assert angle[110:] == pytest.approx(angle[109], abs=0.02)
+
+
+def turned_by(shown: list[HumanPose]) -> float:
+    """Degrees that the door is open after frames of who opens it."""
+    body = at_door()
+    return float(
+        angles(list(frames(program("door"), body.start(DOOR, "play_open", kind="object"), body.rows(shown))))[-1]
+    )
 
 
 def test_the_door_is_closed_from_where_it_stands() -> None:

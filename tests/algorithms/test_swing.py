@@ -159,6 +159,28 @@ def test_fingers_and_thumb_are_on_the_lever_all_the_way_and_not_in_it(name: str,
         assert (sides @ sides.T).min() < OPPOSITE, k
 
 
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+def test_neither_palm_nor_finger_is_in_the_door_that_it_turns_and_no_joint_is_fast(
+    name: str, action: str, at: Array, facing: float
+) -> None:
+    made = swung(name, action, at, facing, seed=3)
+    turns = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4) + 1
+    skin = Skin.read(WORKSPACE.humans.shape(name).glb, made.body.skeleton)
+    hand = [INDEX["right_hand"], *fingers("right")]
+    chosen = np.flatnonzero(np.isin(skin.link, hand))
+    faces = np.searchsorted(chosen, skin.faces[np.isin(skin.faces, chosen).all(axis=1)])
+    for k in turns[::8].tolist():
+        points = skin.posed(made.shown[k].rotations, made.shown[k].root, chosen)
+        points = np.concatenate([points, points[faces].mean(axis=1)])
+        assert SOLIDS.depth("door", made.leaf(k).row(), {}, points).max() < 0.0015, k
+    rotations = np.array([pose.rotations for pose in made.shown])
+    steps = np.abs((rotations[2:] * rotations[1:-1]).sum(axis=-1))[
+        :, [INDEX["right_upper_arm"], INDEX["right_lower_arm"], *hand]
+    ]
+    assert np.degrees(2.0 * np.arccos(np.clip(steps, 0.0, 1.0))).max() < 5.5
+
+
 def on_lever(made: Swung, k: int) -> dict[str, tuple[float, Array]]:
     """By finger how far its skin is from the leaf, metres, and on which sides of its axis it touches (n, 3)."""
     skin = Skin.read(WORKSPACE.humans.shape(made.name).glb, made.body.skeleton)
