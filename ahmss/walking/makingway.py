@@ -99,24 +99,26 @@ def held_up(own: Array, others: Sequence[Walker], nearer: float = 0.0, *, begun:
     return least(own, ways) < MET - nearer
 
 
-def yields(own: Array, instead: Array, others: Sequence[Walker], before: Sequence[Walker]) -> bool:
-    """Whether one who has just told a new way takes it back, as somebody who goes first did so at the same time.
+def yields(own: Array, instead: Array, others: Sequence[Walker], before: Sequence[Walker]) -> list[Walker]:
+    """For whom one who has just told a new way takes it back, as they go first and did so at the same time.
+
+    Also for who has taken theirs back in that time, and stays.
 
     Args:
         own: where one would be (n, 2) at the times LOOKED. instead: where one would be else.
         others: who is about now. before: the same as they would be now by what they told when one decided.
     """
     speed = float(np.linalg.norm(own[1] - own[0])) / LOOKED[1]
-    changed: list[Walker] = []
+    near: list[tuple[float, Walker]] = []
     for i, other in enumerate(others):
         same = len(before) == len(others) and before[i].way is not None and not _differ(other, before[i])
         if other.way is None or same:
             continue
         tie = _LAG * (speed + float(np.linalg.norm(other.velocity))) if speed > MOVING else 0.0
         if other.stays or other.precedes(own[0], tie):  # who has taken theirs back, and stays, can't once more
-            changed.append(other)
-    near = least(own, changed)
-    return near < SAFE and near < least(instead, others)
+            near.append((least(own, [other]), other))
+    limit = min(SAFE, least(instead, others))
+    return [other for away, other in near if away < limit]
 
 
 def _differ(one: Walker, other: Walker) -> bool:

@@ -30,6 +30,9 @@ _NEAR = 2.3  # metres: whom one goes round from the beginning
 _STOPS_IN = 1.4  # seconds from the first step at which one may do otherwise until one stands
 _STANDS = 0.05  # metres in the last 0.4 s of a way: who tells that will stand there
 _ASIDE = 0.85  # metres that one steps aside for who wants to be where one is
+_BESIDE = 1.0  # metres: out of who stands so near one keeps as out of things, in setting out
+_THICK, _THIN, _OWN = 0.34, 0.1, 0.27  # metres: how thick they are at the most, at the least; half of one's own width
+_RING = np.stack([[np.cos(a), np.sin(a)] for a in np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)])
 
 Circle = tuple[float, float, float]
 """x, y and radius, metres, of what is gone round."""
@@ -150,6 +153,19 @@ class Planner:
             away = float(np.hypot(x - place[0], y - place[1])) - _LEAVES
             circles.append((float(x), float(y), max(min(_APART - nearer, away), _TOUCHING) - RADIUS))
         return circles
+
+    def crowded(self, place: Array, others: Sequence[Walker]) -> Ground:
+        """What stands on the floor, and who stands beside a place (2,): legs and elbows keep out of them in leaving."""
+        rings: list[Array] = []
+        for other in others:
+            away = float(np.linalg.norm(other.place - place))
+            if other.stays and away < _BESIDE:
+                rings.append(other.place + max(min(_THICK, away - _OWN), _THIN) * _RING)
+        if not rings:
+            return self.ground
+        tops = [*self.ground.tops] or [np.inf] * len(self.ground.outlines)
+        names = [*self.ground.names, *[""] * len(rings)]
+        return Ground([*self.ground.outlines, *rings], names, [*tops, *[np.inf] * len(rings)])
 
     def taken(self, others: Sequence[Walker]) -> bool:
         """Whether somebody who goes nowhere stands so near to the goal that one can't stand there."""

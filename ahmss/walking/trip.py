@@ -30,7 +30,7 @@ __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 _WINDOW = 7  # frames that a changed way is told before it is gone: twice as long as others may be seen late, and one
 _AGAIN = 12  # frames after which who waits looks again
-_YIELDS = 1.0, 5.0  # seconds after which one steps aside for who wants to be where one is, and once more
+_YIELDS = 1.0, 1.0, 2.5  # seconds after which one steps aside for who wants to be where one is, and again
 _TIRED = 6.0  # seconds after which one waits no more for who does hardly move
 _STILL = 2.0  # seconds after which one goes as near as ever to who all stand
 _KEEPS = 2.5  # seconds for which one keeps to the side on which one has begun to pass
@@ -123,7 +123,8 @@ class Trip:
             how many were made, 0: it was called off; the walk.
         """
         made, before = last_moment(going), self.others()
-        clearing = Clearing(self.skeleton, going, made, self.ground, self._arms)
+        ground = self.planner.crowded(going.shaping.level[0], before)
+        clearing = Clearing(self.skeleton, going, made, ground, self._arms)
         yield replace(piece(going, 0, made), meanwhile=clearing)
         own, others = beginning(going, made), self.others()
         guessed = [other for other in others if other.way is None]
@@ -194,6 +195,7 @@ class Trip:
                         if made:
                             self._asides += 1
                             yield piece(away, made, away.seams[-1])
+                            stood = 0
                         end = -1 if made else 0
                         stands, now = standing_piece(away, end), footing_at(away, end)
                 others = self.others()
@@ -201,9 +203,10 @@ class Trip:
                 soon = _later(others, window)
                 going = self.planner.free(now, soon, self._left(window), self._nearer(others), tired=self._tired)
                 if going is not None:
-                    if not window or (yield from self._announced(going, stands, soon, window)):
+                    hinder = (yield from self._announced(going, stands, soon, window)) if window else []
+                    if not hinder:
                         return going
-                    again = window  # until then others have taken theirs back, too
+                    again = 1 if all(other.stays for other in hinder) else 3 * window  # who goes first tries first
                 else:
                     self._tell_waiting(now)
                     self._taken += _AGAIN if self.planner.taken(others) else 0
@@ -213,8 +216,8 @@ class Trip:
 
     def _announced(
         self, going: Journey, stands: Piece, others: Sequence[Walker], window: int
-    ) -> Generator[Piece, None, bool]:
-        """The frames in which one stands and tells that one will go; whether one does.
+    ) -> Generator[Piece, None, list[Walker]]:
+        """The frames in which one stands and tells that one will go; for whom one does not.
 
         Args:
             going: the walk. stands: the frame. others: as they will be then. window: how many frames.
@@ -223,7 +226,7 @@ class Trip:
         yield replace(repeated(stands, window), ways=ways_of(level, 0, window))
         self._waited += window
         own = beginning(going, 0)
-        return not yields(own, _stays(own), self.others(), others)
+        return yields(own, _stays(own), self.others(), others)
 
     def _tell_waiting(self, now: Footing) -> None:
         """Tell for whom one waits, once each."""
