@@ -97,7 +97,8 @@ class Watching:
         _, turned = forward(self.task.start.rotations, self.task.start.root, self.task.human.offsets)
         faced = rotate(turned[_HEAD], _FACES)
         angle = float(np.arccos(np.clip(faced @ ahead, -1.0, 1.0)))
-        frames = max(_SECONDS, _PEAK * angle / _FASTEST) * self.task.rate
+        steepest = 4.0 * np.tan(0.25 * angle)  # along the chord, on which weights are met, the middle goes faster
+        frames = max(_SECONDS, _PEAK * steepest / _FASTEST) * self.task.rate
         weight = minimum_jerk(np.array(frame / frames))
         if length:
             weight = weight * minimum_jerk(np.array((length - frame) / frames))
