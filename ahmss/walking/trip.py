@@ -152,15 +152,18 @@ class Trip:
             if seam == len(going.seams) - 1 or stopping:
                 yield step
                 continue
-            window = min(_WINDOW, len(step.root) - 1) if any(other.way is not None for other in self.others()) else 0
+            window = min(_WINDOW, len(step.root) - 1) if self.others() else 0
             yield part(step, 0, len(step.root) - window)
+            step = part(step, len(step.root) - window, len(step.root))
+            if window and all(other.way is None for other in self.others()):
+                yield step  # of who tells nothing more is known the later it is
+                window = 0
             others = _later(self.others(), window)
             way = None
             if meets(ahead(going, end), others):
                 side = self._side if self._made - self._sided < _KEEPS * RATE else 0.0
                 way = way_out(self.planner, going, seam, others, replace(self._pace, left=self._left(window)), side)
             if window:
-                step = part(step, len(step.root) - window, len(step.root))
                 if way is not None:
                     level = np.concatenate([going.shaping.level[: end + 1], way.going.shaping.level[1:]])
                     step = replace(step, ways=ways_of(level, end - window + 1, end + 1))

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from ahmss.body.array import Array
+from ahmss.motion.way import AHEAD
 from ahmss.walking.course import Course, NoWay, plan
-from ahmss.walking.makingway import MET, Option, least, options
+from ahmss.walking.makingway import MET, SAFE, Option, held_up, least, met, options, yields
 from ahmss.walking.turning_in import cut, turned_into
 from ahmss.walking.walkers import LOOKED, Walker
 
@@ -153,3 +154,70 @@ def test_who_sets_out_will_soon_walk_or_stop() -> None:
     np.testing.assert_allclose([way.velocity for way in ways], [[0.0, 0.3], [0.0, 1.1]] + 3 * [[0.0, 0.0]])
     np.testing.assert_allclose([way.place[1] for way in ways[2:]], [0.09, 0.24, 0.39])
     assert len(list(Walker(np.zeros(2), np.array([0.05, 0.0])).may_go())) == 1
+
+
+def telling(place: tuple[float, float], velocity: tuple[float, float], since: float = 0.0) -> Walker:
+    """Somebody who tells that they will stand so many seconds more, and then go."""
+    way = np.array(place) + np.maximum(AHEAD - since, 0.0)[:, None] * np.array(velocity)
+    return Walker(np.array(place), np.zeros(2), way=way)
+
+
+def test_who_tells_that_they_come_is_met_while_they_still_stand() -> None:
+    own = straight().at(1.2 * LOOKED)[0]
+    comes, stands = telling((2.4, 1.2), (0.0, -1.0), 0.8), Walker(np.array([2.4, 1.2]), np.zeros(2))
+    assert least(own, [stands]) > MET
+    assert least(own, [comes]) < 0.2
+    assert held_up(own, [comes], begun=False)
+    assert not held_up(own, [stands], begun=False)
+
+
+def test_who_tells_that_they_are_gone_by_then_does_not_hold_one_up() -> None:
+    own = straight().at(1.2 * LOOKED)[0]
+    goes = telling((1.5, 0.1), (0.0, 1.2))
+    guessed = Walker(goes.place, np.array([0.0, 0.3]))
+    assert not held_up(own, [goes], begun=False)
+    assert held_up(own, [guessed], begun=False)  # they may stop
+
+
+def test_how_near_who_tells_comes_is_looked_at_as_far_on_as_one_has_planned() -> None:
+    own = straight().at(1.2 * np.arange(0.0, 3.65, 0.1))[0]
+    comes = telling((4.2, 3.5), (0.0, -1.0))
+    assert least(own[: len(LOOKED)], [comes]) > 1.0
+    assert least(own, [comes]) < 0.1
+
+
+def test_who_hears_of_another_way_takes_its_own_back_if_they_go_first() -> None:
+    """The second comes towards one, on the way that has just been told; before, they stood."""
+    own = straight().at(1.2 * LOOKED)[0]
+    stays = np.zeros_like(own)
+    for sign in (1.0, -1.0):
+        ahead = sign * own
+        now = telling((sign * 3.5, 0.0), (-sign * 1.2, 0.0))
+        before = Walker(now.place, np.zeros(2), way=np.repeat(now.place[None], len(AHEAD), axis=0))
+        assert bool(yields(ahead, stays, [now], [before])) == (sign > 0.0)  # one of both
+        assert not yields(ahead, stays, [now], [now])  # it was known
+        assert not yields(ahead, ahead, [now], [before])  # it would be no better
+        back = Walker(np.array([sign * 1.0, 0.0]), np.zeros(2), way=np.repeat([[sign * 1.0, 0.0]], len(AHEAD), axis=0))
+        left = telling((sign * 1.0, 0.0), (0.0, 1.2))
+        assert yields(ahead, stays, [back], [left])  # who has taken theirs back can't once more
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_who_is_met_is_moved_to_the_side_on_which_they_are_not_passed(side: float) -> None:
+    own = straight().at(1.2 * LOOKED)[0]
+    ((x, y),) = met(own, [telling((4.0, 0.0), (-1.0, 0.0)), telling((4.0, 3.0), (-1.0, 0.0))], side)
+    assert x == pytest.approx(4.0 / 2.2 * 1.2, abs=0.15)
+    assert y == pytest.approx(0.1 * side, abs=1e-6)
+
+
+def test_what_is_told_is_more_certain_than_what_is_guessed() -> None:
+    """Somebody will be met in 2 seconds: it is not cheaper to go on than to make way."""
+    place, velocity = np.array([4.6, 0.3]), np.array([-1.1, 0.0])
+    rest = straight()
+    own = rest.at(1.2 * LOOKED)[0]
+    costs = [
+        next(option.cost for option in options(own, rest, STOPS, 1.2, [other], around) if option.course is rest)
+        for other in (telling((4.6, 0.3), (-1.1, 0.0)), Walker(place, velocity))
+    ]
+    assert costs[0] > 1.5 * costs[1]
+    assert SAFE < MET
