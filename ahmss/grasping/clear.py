@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 
 import numpy as np
 
@@ -17,8 +17,12 @@ _MOVED = 0.005  # metres from where it holds, up to which the fingers may be as 
 _SOME = 5e-4  # metres that count as none
 
 
-def first_clear(hand: Hand, solid: Solid, ways: Iterable[tuple[Array, Array]], held: tuple[Array, Array]) -> int:
+def first_clear(
+    hand: Hand, solid: Solid, ways: Iterable[tuple[Array, Array]], held: tuple[Array, Array]
+) -> Generator[None, None, int]:
     """The number of the first way on which the fingers are not in a thing; where all are, of the least bad one.
+
+    It pauses after each way that is not clear.
 
     Args:
         hand: that goes there.
@@ -43,6 +47,7 @@ def first_clear(hand: Hand, solid: Solid, ways: Iterable[tuple[Array, Array]], h
             least, best = lack, number
         if lack <= 0.0:
             break
+        yield
     if best < 0:
         raise ValueError("there are no ways")
     return best

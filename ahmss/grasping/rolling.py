@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import replace
 
 import numpy as np
@@ -39,8 +40,10 @@ def rolled(hand: Hand, field: Field, palm: Array, holding: Holding) -> Holding:
     return replace(holding, palm=palm, shape=hand.rotations(flexion[0], one), flexion=flexion[0], thumb=one)
 
 
-def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Array:
+def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Generator[None, None, Array]:
     """The fingers (n, 14, 4) about a bar that turns in the hand, the palm at places (n, 7) in the object's frame.
+
+    It pauses before each place of the thumb that is tried, and after the last.
 
     Args:
         hand: that holds.
@@ -52,8 +55,11 @@ def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Array:
     on_hand = np.broadcast_to(hand.grip[:3], palms[:, :3].shape)
     hands = Hands(palms[:, :3] - rotate(q_object_hand, on_hand), to_matrix(q_object_hand))
     flexion = tightened(hand, hands, field, hand.flexion(nearly))
-    n = len(palms)
-    tried = [close_thumb(hand, hands, field, flexion, np.full(n, rise), np.full(n, THUMB_SLACK)) for rise in RISES]
+    n, tried = len(palms), list[tuple[Thumb, Array, Array]]()
+    for rise in RISES:
+        yield
+        tried.append(close_thumb(hand, hands, field, flexion, np.full(n, rise), np.full(n, THUMB_SLACK)))
+    yield
     thumb, _, _ = min(tried, key=lambda one: float(np.abs(one[1].min(axis=1)).max()))
     shapes = [hand.rotations(flexion[i], Thumb(thumb.out[i], thumb.rise[i], thumb.bend[i])) for i in range(n)]
     return np.stack(shapes)

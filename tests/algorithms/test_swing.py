@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -15,10 +16,11 @@ from ahmss.algorithm.messages import ObjectRecord
 from ahmss.bench.solids import Solids
 from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips, solve
+from ahmss.body.inverse import GAZE, RIGHT_HAND, grips, solve
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
 from ahmss.errors import AlgorithmError
+from ahmss.grasping import rolling
 from ahmss.motion.quality import worst_pop
 from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
@@ -255,6 +257,52 @@ def test_a_hand_that_was_drawn_in_stays_clear_of_the_table_or_is_let_down_and_no
     np.testing.assert_allclose(np.abs((rotations[0, arm] * before[arm]).sum(axis=-1)), 1.0, atol=1e-4)
 
 
+@pytest.mark.parametrize("aside", [0.0, 0.5])
+def test_no_frame_waits_for_much_thought_and_who_has_steps_to_make_stands_for_none(
+    aside: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, costly, waits = module("swing"), list[str](), list[int]()
+
+    def counted(where: Any, name: str) -> None:
+        function = getattr(where, name)
+
+        def counting(*given: Any, **named: Any) -> Any:
+            costly.append(name)
+            return function(*given, **named)
+
+        monkeypatch.setattr(where, name, counting)
+
+    for where, name in (
+        (sys.modules["lever"], "closed"), (rolling, "close_thumb"), (own, "follow"), (own, "Trip"), (own, "Tucking"),
+        (own.Taking, "_coming"), (own.Taking, "_leaving"),
+    ):  # fmt: skip
+        counted(where, name)
+    standing = own._standing
+    monkeypatch.setattr(own, "_standing", lambda task, stance, n: waits.append(n) or standing(task, stance, n))
+    closed = Transform(np.zeros(3), from_axis_angle(UP, 0.0))
+    body = Body("ken", 0.43 - aside, -0.42 - aside, 125.0)
+    start = body.start(DOOR, "open", frame=closed, hand="")
+    before, most = 0, 0
+    for _ in frames(program("swing"), msgspec.structs.replace(start, object=outlined(start.object, 3))):
+        before, most = len(costly), max(most, len(costly) - before)
+    assert len(costly) > 15
+    assert most <= 4, most
+    assert (1 in waits) is (aside == 0.0)
+
+
+def test_the_eyes_are_on_the_lever_before_the_hand_sets_out_and_leave_it_as_the_leaf_turns() -> None:
+    made = swung("ken", "open", np.array([0.43, -0.42, 0.0]), 125.0)
+    looks = np.array([pose.targets[GAZE, 7] for pose in made.shown])
+    first = np.flatnonzero([pose.targets[RIGHT_HAND, 7] for pose in made.shown])[0]
+    assert looks[first] > 0.3
+    lever = made.closed.apply(np.array([0.68, -0.075, 1.02]))
+    np.testing.assert_allclose(made.shown[first].targets[GAZE, :3], lever, atol=0.01)
+    assert looks[-1] == 0.0
+    head = np.array([pose.rotations[INDEX["head"]] for pose in made.shown])
+    turned = 2.0 * np.arccos(np.clip(np.abs((head[1:] * head[:-1]).sum(axis=-1)), 0.0, 1.0))
+    assert np.degrees(turned[1:]).max() < 4.5
+
+
 def test_who_is_far_is_told_to_walk_there_first() -> None:
     with pytest.raises(AlgorithmError, match=r"door is \d\.\d m from here; walk to room/doorway/door first"):
         swung("ken", "open", np.array([0.5, -3.5, 0.0]), 90.0)
@@ -283,7 +331,7 @@ def test_others_are_not_hit_by_the_leaf(
     start = body.start(DOOR, action, frame=leaf, states={"angle": angle}, hand="right")
     own, there = module("swing"), closed.apply(np.array([*place, 0.0]))
     task = HumanTask(start)
-    assert own.Taking(task, own._door(task)).hindered(there[:2]) is hinders
+    assert own.Taking(task, own.door_of(task)).hindered(there[:2]) is hinders
     if hinders:
         monkeypatch.setattr(stepping, "_PATIENCE", 0.2)
         monkeypatch.setattr(own, "stepped", lambda *_, **__: _stands(body))

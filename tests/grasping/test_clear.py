@@ -10,6 +10,7 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.grasping.clear import first_clear
 from ahmss.grasping.hand import Hand
 from ahmss.motion.fingers import opened
+from ahmss.reaching.steps import finished
 
 
 class Floor:
@@ -39,20 +40,20 @@ def hand() -> Hand:
 
 
 def test_the_first_that_is_clear_is_gone(hand: Hand) -> None:
-    assert first_clear(hand, Floor(0.0), [LOW, OVER, OVER], HELD) == 1
+    assert finished(first_clear(hand, Floor(0.0), [LOW, OVER, OVER], HELD)) == 1
 
 
 def test_where_none_is_clear_the_least_bad_one_is_gone(hand: Hand) -> None:
-    assert first_clear(hand, Floor(0.0), [LOW, LESS_LOW, LOW], HELD) == 1
+    assert finished(first_clear(hand, Floor(0.0), [LOW, LESS_LOW, LOW], HELD)) == 1
 
 
 def test_where_it_holds_it_may_be_as_deep_as_its_fist_is_and_no_deeper(hand: Hand) -> None:
     held = (way(0.03)[0][0], way(0.03)[1][0])
     stays, goes_in, goes_off = way(0.03, 0.2), way(0.028, 0.2), way(0.032, 0.2)
-    assert first_clear(hand, Floor(0.0), [goes_in, stays], held) == 1
-    assert first_clear(hand, Floor(0.0), [goes_off, stays], held) == 0
+    assert finished(first_clear(hand, Floor(0.0), [goes_in, stays], held)) == 1
+    assert finished(first_clear(hand, Floor(0.0), [goes_off, stays], held)) == 0
 
 
 def test_no_ways_are_an_error(hand: Hand) -> None:
     with pytest.raises(ValueError, match="no ways"):
-        first_clear(hand, Floor(0.0), [], HELD)
+        finished(first_clear(hand, Floor(0.0), [], HELD))
