@@ -61,6 +61,8 @@ class Tucking:
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
         for side in self._already():
             self._level[side][:], self._wanted[side] = 1.0, True
+            arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
+            self._pose[arm] = task.start.rotations[arm]  # it stays as it is
 
     def _already(self) -> list[str]:
         """The arms that are drawn in as one sets out, as one came there: let down at once they would be in things."""
