@@ -17,7 +17,7 @@ from ahmss.algorithm.staging import Staged, face, stage
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import IDENTITY, multiply, normalize
+from ahmss.body.quaternion import IDENTITY, multiply, normalize, rotate
 from ahmss.body.quaternion import slerp as interpolate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
@@ -73,11 +73,11 @@ def _on_the_way(task: HumanTask, staged: Staged, frames: Array) -> Iterator[Arra
     """
     rotations, root, importance, seen = _poses(task, staged, frames, ON_FACE)
     known = minimum_jerk(frames / CARRIED_IN)  # the first frame does not say how fast the body is carried
-    last = task.present.root.copy()
+    last = face(task, task.present.rotations, task.present.root)
     for i in range(len(frames)):
-        place = task.present.root + known[i] * (task.present.root - last)
-        last = task.present.root.copy()
-        base = face(task, task.present.rotations, place)
+        now = face(task, task.present.rotations, task.present.root)
+        base = Transform(now.place + known[i] * (now.place - last.place), now.rotation)
+        last = now
         targets = seen[i : i + 1].copy()
         hands = targets[:, : len(HANDS)]
         for target in (hands, targets[:, GAZE]):
@@ -181,7 +181,10 @@ def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) ->
 
     While the object is held, the clip says where the object's site goes, and the palm stays on it as it is.
     """
-    wanted = [base.then(Transform.of(key)) for key in staged.local[:, row, :7]]
+    keys = [Transform.of(key) for key in staged.local[:, row, :7]]
+    if staged.clip.header.targets == "face":
+        keys = [_as_wide(task, key) for key in keys]
+    wanted = [base.then(key) for key in keys]
     grip = task.start.grip(HANDS[row])
     if task.hold in ("keep", "release") and task.site is not None and task.object is not None:
         on_site = task.site.inverse().then(grip)
@@ -192,6 +195,19 @@ def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) ->
         rotation = wanted[-1].rotation if task.goal_rotation is None else task.goal_rotation
         wanted[-1] = Transform(np.broadcast_to(task.goal_place, (*rotation.shape[:-1], 3)), rotation)
     return wanted
+
+
+def _as_wide(task: HumanTask, site: Transform) -> Transform:
+    """The site (the middle of a rim) as a clip has it before the face, farther off by what the object is wider than the
+    clip's: it is the edge that comes to the lips.
+    """
+    made_for = task.parameter("diameter", 0.0)
+    if task.object is None or float(np.linalg.norm(site.place)) > made_for:  # elsewhere than at the lips
+        return site
+    wider = 0.5 * (float(task.object.properties.get("diameter", made_for)) - made_for)
+    up = rotate(site.rotation, np.array([0.0, 0.0, 1.0]))
+    away = site.place - (site.place @ up) * up
+    return Transform(site.place + wider * away / max(float(np.linalg.norm(away)), 1e-9), site.rotation)
 
 
 def _goal(task: HumanTask, place: Array) -> Transform:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -101,20 +102,35 @@ def test_who_is_carried_on_raises_a_cup_straight_from_where_it_stands() -> None:
     np.testing.assert_allclose(np.cross(way[:, :3] - grip.place, along), 0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
+def rim_from_mouth(name: str, wide: float = 1.0) -> float:
+    """Metres from the mouth to the middle of the rim of a cup so many times as wide, at the nearest as one drinks."""
     body = Body(name)
     body.do("slerp", body.start(CUP, "reach", **REACH))
     in_palm = body.grip().inverse().then(frame_of(CUP))
     nearest = 1.0
-    for pose in body.do("slerp", body.start(CUP, "drink", frame=body.grip().then(in_palm))):
+    start = body.start(CUP, "drink", frame=body.grip().then(in_palm))
+    assert start.object is not None
+    properties = start.object.properties | {"diameter": 0.072 * wide}
+    start = msgspec.structs.replace(start, object=msgspec.structs.replace(start.object, properties=properties))
+    for pose in body.do("slerp", start):
         places, turned = forward(pose.rotations, pose.root, body.skeleton.offsets)
         head = INDEX["head"]
         mouth = places[head] + rotate(turned[head], lips(body.skeleton))
         grip = pose.targets[RIGHT_HAND]
         rim = grip[:3] + rotate(grip[3:7], in_palm.apply(np.array([0.0, 0.0, 0.095])))
         nearest = min(nearest, float(np.linalg.norm(rim - mouth)))
-    assert nearest == pytest.approx(0.036, abs=0.004)  # the rim's centre is its radius away
+    return nearest
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
+    assert rim_from_mouth(name) == pytest.approx(0.036, abs=0.004)  # the rim's centre is its radius away
+
+
+@pytest.mark.parametrize("wide", [0.6, 1.25, 1.4])
+def test_of_a_wider_cup_the_edge_comes_to_the_mouth_and_not_the_middle(wide: float) -> None:
+    """At the same distance from the middle its rim was 9 mm in the face."""
+    assert rim_from_mouth("ken", wide) - rim_from_mouth("ken") == pytest.approx(0.036 * (wide - 1.0), abs=5e-4)
 
 
 def test_every_frame_is_a_pose() -> None:
