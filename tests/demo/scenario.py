@@ -48,11 +48,12 @@ def states_of(path: Path, names: Iterable[str]) -> Mapping[str, list[Mapping[str
 
 
 def met(
-    path: Path, human: str, workspace: Path, every: int, least: float = 0.003, ticks: range | None = None
-) -> list[Met]:
+    path: Path, human: str, workspace: Path, every: int, least: float = 0.003, ticks: range | None = None,
+    filled: str = "",
+) -> list[Met]:  # fmt: skip
     """Where the skin of a human is in a thing by more than `least` metres, deepest first; every so many frames.
 
-    A round thing that nobody has counts as filled. ticks: those that are looked at; left out: all.
+    A round thing that nobody has counts as filled, and one of a name. ticks: those that are looked at; left out: all.
     """
     kinds = Workspace(workspace)
     skin, solids, world = Skin.read(kinds.humans.shape(human).glb), Solids(kinds), World()
@@ -69,7 +70,7 @@ def met(
                 if np.linalg.norm(pose[:2] - root[:2]) > NEAR:
                     continue
                 depth = solids.depth(record.kind, pose, record.states, points)
-                if not record.holder:
+                if not record.holder or name == filled:
                     depth = np.maximum(depth, solids.filled(record.kind, pose, points))
                 if depth.max() > least:
                     found.append(Met(float(depth.max()), name, LINKS[skin.link[depth.argmax()]], tick))

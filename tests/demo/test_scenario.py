@@ -30,7 +30,7 @@ MOST_POP = 7.0  # degrees; 14 to 33 in straight walks of real capture
 # Metres: skin that gives way where a hand holds and where one sits; no limb is deeper in anything than THROUGH, no leg
 # or foot than LEGS.
 TOUCHES, SITS, THROUGH, LEGS = 0.008, 0.010, 0.008, 0.004
-COMES = 0.002  # metres: no finger is deeper in the cup, taken as filled, before the hand begins to close on it
+COMES = 0.002  # metres: no palm and no finger is deeper in the cup, taken as filled, before the hand has it
 CARRIES = 0.002  # metres: the arm that holds the cup is no deeper in anything but the cup
 # There one stands squeezed between the table's edge and the doorway: the arm that hangs is as deep in its frame.
 SQUEEZED = {"table turned": 0.018}
@@ -128,10 +128,10 @@ def nothing_is_gone_through(scenario: Scenario, workspace: Path = ROOT, every: i
 
 
 def fingers_come_round_the_cup(scenario: Scenario, workspace: Path = ROOT) -> None:
-    """In the two seconds before the hand begins to close on it, no finger is in the cup or between its walls."""
+    """From two seconds before the hand begins to close on the cup until it has it, it is not in it, filled."""
     taken = first(np.array([holder != "" for holder in scenario.played.holders[scenario.cup]]))
-    before = range(taken - 120, taken)
-    for one in met(scenario.path, scenario.human, workspace, 1, COMES, before):
+    before = range(taken - 120, scenario.caught)
+    for one in met(scenario.path, scenario.human, workspace, 1, COMES, before, scenario.cup):
         assert one.thing != scenario.cup, one
 
 
