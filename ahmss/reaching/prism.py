@@ -70,10 +70,14 @@ class Prism:
         off = np.maximum(np.maximum(low - points, points - high), 0.0)
         return np.sqrt(np.einsum("ni,ni->n", off, off))
 
+    def is_beyond(self, low: Sequence[float], high: Sequence[float]) -> bool:
+        """Whether the upright box around it does not meet the one from a lowest to a highest corner (3)."""
+        (x, y, z), (x1, y1, z1) = self._made.corners  # one by one: it is asked often, of many
+        return x > high[0] or y > high[1] or z > high[2] or x1 < low[0] or y1 < low[1] or z1 < low[2]
+
     def meets(self, low: Array, high: Array) -> bool:
         """Whether the upright box around it meets the one from a lowest to a highest corner (3,)."""
-        own = self._made.box
-        return bool((own[0] <= high).all() and (own[1] >= low).all())
+        return not self.is_beyond(low.tolist(), high.tolist())
 
     def over(self, points: Array) -> Any:
         """Whether points (n, 2) or (n, 3) are within its outline, seen from above."""
@@ -89,7 +93,8 @@ class Prism:
         boundary = shapely.boundary(shape)
         shapely.prepare([shape, boundary])
         low, high = self.ring.min(axis=0), self.ring.max(axis=0)
-        return _Made(shape, boundary, (np.append(low, self.low), np.append(high, self.high)))
+        box = np.append(low, self.low), np.append(high, self.high)
+        return _Made(shape, boundary, box, (tuple(box[0].tolist()), tuple(box[1].tolist())))
 
 
 class _Made(NamedTuple):
@@ -98,6 +103,7 @@ class _Made(NamedTuple):
     shape: Any
     boundary: Any
     box: tuple[Array, Array]
+    corners: tuple[tuple[float, float, float], tuple[float, float, float]]  # the same as floats
 
 
 def clearance(prisms: Sequence[Prism], points: Array, within: float = np.inf) -> Array:
@@ -107,7 +113,12 @@ def clearance(prisms: Sequence[Prism], points: Array, within: float = np.inf) ->
     """
     flat = points.reshape(-1, 3)
     nearest = np.full(len(flat), np.inf)
+    if not len(flat):
+        return nearest.reshape(points.shape[:-1])
+    low, high = (flat.min(axis=0) - within).tolist(), (flat.max(axis=0) + within).tolist()
     for prism in prisms:
+        if prism.is_beyond(low, high):
+            continue
         away = prism.at_least(flat)
         near = np.flatnonzero((away < np.minimum(nearest, within)) | (away <= 0.0))
         if len(near):
