@@ -45,7 +45,7 @@ def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None 
     """
     rotation = _level(grip, site[:3], rotate(site[3:], Z))
     wrapped = _wrapped(hand, field, grip, site, rotation)
-    thick = float(field.clearance(site[:3])) < -THIN
+    thick = abs(float(field.clearance(site[:3]))) > THIN  # full, or hollow: nothing there that fingers go around
     if wrapped is not None and wrapped.holds and (thick or _is_around(hand, wrapped, site)):
         return wrapped
     return hook(hand, field, rotation, site, cost) or wrapped

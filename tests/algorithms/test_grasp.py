@@ -20,6 +20,7 @@ from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import IDENTITY, conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 from ahmss.database import Workspace
 from ahmss.errors import AlgorithmError
+from ahmss.grasping import power
 from ahmss.motion.fingers import Cylinder, closed
 from tests.grasping.shapes import outside, thing
 
@@ -65,6 +66,16 @@ def test_the_thumb_goes_to_the_other_side() -> None:
     )
     for other in others:
         assert thumb[:2] @ other[:2] < 0.0
+
+
+def test_no_bar_is_looked_for_where_a_hollow_thing_is_held_about_its_middle(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked = list[str]()
+    monkeypatch.setattr(power, "hook", lambda *_: looked.append("there"))  # a tenth of a second in one frame
+    body = Body()
+    body.do("reach", body.start(CUP, "reach"))
+    body.do("grasp", body.start(CUP, "grasp"))
+    assert not looked
+    assert max(abs(gap) for gap in gaps(body, "right", frame_of(CUP)).values()) < 0.004
 
 
 def test_a_thicker_object_bends_the_fingers_less() -> None:
