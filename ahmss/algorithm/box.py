@@ -20,6 +20,7 @@ from ahmss.reaching.prism import Prism
 
 __all__ = ["Box", "boxes_of", "nearest"]
 
+_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)  # of a box, high or low
 _ALIKE = 1e-12  # by which the components of two rotations differ that are one
 
 
@@ -39,8 +40,7 @@ class Box:
 
     def corners(self) -> Array:
         """Its corners (8, 3) in the world."""
-        corners = np.stack(np.meshgrid(*zip(self.low, self.high, strict=True), indexing="ij"), axis=-1).reshape(8, 3)
-        return self.frame.apply(corners)
+        return self.frame.apply(np.where(_CORNERS, self.high, self.low))
 
     def prism(self, *, sought: bool = False) -> Prism:
         """The upright prism about it."""

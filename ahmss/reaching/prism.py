@@ -132,9 +132,14 @@ def in_the_way(prisms: Sequence[Prism], middle: Array, *ends: Array) -> list[Pri
     What a hand is to come into (a shelf), or is in already (a chair that is sat on), can't be kept clear of.
     """
     kept: list[Prism] = []
+    places = np.stack(ends)
+    x, y = middle[:2].tolist()
+    low, high = (x - _NEAR, y - _NEAR, -np.inf), (x + _NEAR, y + _NEAR, np.inf)
     for prism in prisms:
+        if prism.is_beyond(low, high):
+            continue
         level = np.append(middle[:2], prism.low)
-        if prism.at_least(level[None])[0] < _NEAR and (clearance([prism], np.stack(ends)) > 0.0).all():
+        if prism.at_least(level[None])[0] < _NEAR and (clearance([prism], places, 0.0) > 0.0).all():
             kept.append(prism)
     return kept
 
