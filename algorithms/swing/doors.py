@@ -25,6 +25,7 @@ STANDS = {
     (1, "right"): ((0.84, 0.64, -43.0), (0.08, 1.25, -26.0), (50.0, -12.0)),
     (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0), (50.0, 0.0)),
 }
+THERE = 0.15  # metres from where one stands to have the lever in hand
 TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even at half the way
 
 
@@ -87,12 +88,20 @@ def door_of(task: HumanTask) -> Door:
         raise AlgorithmError("swing needs a door and the site of its lever")
     angle = float(thing.states.get("angle", 0.0))
     closed = Transform(thing.place.copy(), multiply(thing.rotation, from_axis_angle(UPWARD, -angle)))
-    side = 1 if closed.inverse().apply(task.start.root)[1] > 0.0 else -1
     names = [name for name in (task.message.site, f"{task.message.site}_back") if name in thing.sites]
     size = thing.properties.get("size")
     width = float(size[0]) if isinstance(size, (list, tuple)) else float(thing.sites[names[0]].position[0])
-    site = thing.sites[max(names, key=lambda name: side * thing.sites[name].position[1])]
-    return Door(thing.name, closed, angle, task.parameter("to", 0.0), side, np.array(site.position), width, _hand(task))
+
+    def taken_from(side: int) -> Door:
+        site = thing.sites[max(names, key=lambda name: side * thing.sites[name].position[1])]
+        wanted, hand = task.parameter("to", 0.0), _hand(task)
+        return Door(thing.name, closed, angle, wanted, side, np.array(site.position), width, hand)
+
+    # Who has pushed it open stands where its leaf was, and is still before it.
+    before, root = taken_from(-1), task.start.root
+    if np.linalg.norm(root[:2] - before.stand(angle).place) < THERE or closed.inverse().apply(root)[1] <= 0.0:
+        return before
+    return taken_from(1)
 
 
 def _hand(task: HumanTask) -> str:

@@ -233,6 +233,19 @@ def test_a_leaf_left_half_way_is_swung_on() -> None:
     assert abs(made.angle[-1]) < np.radians(2.0)
 
 
+def test_who_has_pushed_it_open_pulls_it_shut_from_where_they_stand() -> None:
+    opened = swung("ken", "open", BEFORE, 90.0)
+    where = opened.closed.inverse().apply(opened.body.root)
+    assert where[1] > 0.05  # where the leaf was
+    ahead = opened.closed.inverse().then(Transform(opened.body.root, opened.body.rotations[0])).rotation
+    facing = rotate(ahead, np.array([0.0, 0.0, -1.0]))
+    made = swung("ken", "close", where * [1.0, 1.0, 0.0], float(np.degrees(np.arctan2(facing[1], facing[0]))))
+    assert abs(made.angle[-1]) < np.radians(2.0)
+    assert made.closed.inverse().apply(made.shown[-1].root)[1] < -0.3
+    first = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4)[0]
+    assert np.abs(np.array([pose.root for pose in made.shown[:first]]) - made.shown[0].root).max() < 0.02
+
+
 @pytest.mark.parametrize("beside", [True, False])
 def test_a_hand_that_was_drawn_in_stays_clear_of_the_table_or_is_let_down_and_nothing_jumps(*, beside: bool) -> None:
     closed, body = Transform(np.zeros(3), from_axis_angle(UP, 0.0)), Body("ken", 0.43, -0.42, 125.0)
