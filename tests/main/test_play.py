@@ -8,12 +8,14 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import ahmss
+from ahmss import cli
 from ahmss.main.judging import motion_of
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.main.process import MainProcess
@@ -22,6 +24,7 @@ from ahmss.world.process import ServerProcess
 from ahmss.world.recording import Reader
 from ahmss.world.schema import NewObject
 from ahmss.world.view import World
+from tests.main.conftest import make_workspace
 from tests.main.ground import steps
 
 pytestmark = pytest.mark.usefixtures("pool")
@@ -42,24 +45,27 @@ ken: do c bow frames 20
 """
 
 
-@pytest.fixture
-def script(tmp_path: Path) -> Path:
-    path = tmp_path / "two.txt"
-    path.write_text(TWO)
-    return path
-
-
-def test_two_humans_play_the_same_twice(script: Path, workspace: Path, tmp_path: Path) -> None:
-    recordings = [tmp_path / "1.rec", tmp_path / "2.rec"]
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory, pool: None) -> list[Path]:
+    """The script of two, played twice: recordings."""
+    del pool
+    home = tmp_path_factory.mktemp("played")
+    workspace, script = make_workspace(home / "workspace"), home / "two.txt"
+    script.write_text(TWO)
+    recordings = [home / "1.rec", home / "2.rec"]
     for recording in recordings:
         report = play_script(script, PlaySetup(fast=True, seed=1, record=recording, workspace=workspace))
         # Both take one box in the same frame: the first by name has it, the other is told.
         ken, aiko = (main["messages"] for main in report.mains)
         assert aiko == []
         assert ken[0] == "b take: b is held by aiko; wait until it is let go"
-    first, second = (recording.read_bytes() for recording in recordings)
+    return recordings
+
+
+def test_two_humans_play_the_same_twice(played: list[Path]) -> None:
+    first, second = (recording.read_bytes() for recording in played)
     assert first == second
-    with Reader(recordings[0]) as reader:
+    with Reader(played[0]) as reader:
         for name in ("ken", "aiko"):
             rotations, _, _ = motion_of(reader, name)
             assert len(rotations) > 30
@@ -77,9 +83,8 @@ def test_nobody_begins_before_the_scene_is_there_in_real_time_too(workspace: Pat
     assert [main["messages"] for main in report.mains] == [[]] * len(names)
 
 
-def test_a_recording_is_played_back_into_a_server(script: Path, workspace: Path, tmp_path: Path) -> None:
-    original, copy = tmp_path / "original.rec", tmp_path / "copy.rec"
-    play_script(script, PlaySetup(fast=True, record=original, workspace=workspace))
+def test_a_recording_is_played_back_into_a_server(played: list[Path], tmp_path: Path) -> None:
+    original, copy = played[0], tmp_path / "copy.rec"
     done = run("play", str(original), "--record", str(copy))
     assert done.returncode == 0, done.stderr
     with Reader(original) as reader, Reader(copy) as again:
@@ -103,6 +108,31 @@ def run(*arguments: str, given: str = "", directory: Path | None = None) -> subp
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Done:
+    """What a command ended with, and wrote."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def typed(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Done]:
+    """`ahmss` with these arguments, in this process: there all that it imports is here already."""
+
+    def run_here(*arguments: str) -> Done:
+        capfd.readouterr()
+        with monkeypatch.context() as patched:
+            patched.setattr(sys, "argv", ["ahmss", *arguments])
+            with pytest.raises(SystemExit) as end:
+                cli.main()
+        code = end.value.code
+        return Done(code if isinstance(code, int) else int(code is not None), *capfd.readouterr())
+
+    return run_here
+
+
 def test_a_script_that_fails_says_where_and_ends_with_1(workspace: Path, tmp_path: Path) -> None:
     script = tmp_path / "one.txt"
     script.write_text("human ken body ken\nadd box as b at 0.3 0 1\ndo b fly\ndo b wave frames 5\n")
@@ -112,10 +142,12 @@ def test_a_script_that_fails_says_where_and_ends_with_1(workspace: Path, tmp_pat
     assert "Traceback" not in done.stderr
 
 
-def test_a_main_that_can_not_begin_is_a_failure_in_the_summary(workspace: Path, tmp_path: Path) -> None:
+def test_a_main_that_can_not_begin_is_a_failure_in_the_summary(
+    workspace: Path, tmp_path: Path, typed: Callable[..., Done]
+) -> None:
     script = tmp_path / "one.txt"
     script.write_text("human ken body nobody\n")
-    done = run("play", str(script), "--fast", "--workspace", str(workspace))
+    done = typed("play", str(script), "--fast", "--workspace", str(workspace))
     assert done.returncode == 1
     assert 'no human "nobody"' in done.stderr
     assert "ken: 0 frames in 0.0 s" in done.stdout
@@ -216,36 +248,36 @@ def test_a_recording_begins_when_the_scene_is_set(workspace: Path, tmp_path: Pat
 
 
 def test_a_script_that_was_played_before_on_this_server_says_so_in_one_sentence_and_begins_afresh_where_asked(
-    workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path
+    workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path, typed: Callable[..., Done]
 ) -> None:
     script = tmp_path / "one.txt"
     script.write_text("add box as b at 0.3 0 1\nhuman ken body ken at 0 0\ndo b wave frames 5\n")
     address = server().address
     arguments = ("play", str(script), "--server", address, "--workspace", str(workspace))
-    first = run(*arguments)
+    first = typed(*arguments)
     assert first.returncode == 0, first.stderr
-    again = run(*arguments)
+    again = typed(*arguments)
     assert again.returncode == 1
     assert f"one.txt:1: the world at {address} has b already" in again.stderr
     assert "--fresh" in again.stderr
     assert len(again.stderr.splitlines()) == 1
     with WorldClient(address) as client:  # what was taken out of an object keeps its name
         client.add([NewObject("b/part", "box", (2.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))])
-    afresh = run(*arguments, "--fresh")
+    afresh = typed(*arguments, "--fresh")
     assert afresh.returncode == 0, afresh.stderr
     with WorldClient(address) as client:
         assert list(client.refresh().objects) == ["b"]
 
 
 def test_a_script_that_takes_away_what_it_adds_can_be_played_again(
-    workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path
+    workspace: Path, server: Callable[..., ServerProcess], tmp_path: Path, typed: Callable[..., Done]
 ) -> None:
     script = tmp_path / "one.txt"
     script.write_text("human ken body ken at 0 0\nremove box\nadd box at 0.3 0 1\ndo box wave frames 5\n")
     address = server().address
     with WorldClient(address) as client:
         client.add([NewObject("box", "box")])
-    done = run("play", str(script), "--server", address, "--workspace", str(workspace))
+    done = typed("play", str(script), "--server", address, "--workspace", str(workspace))
     assert done.returncode == 0, done.stderr
 
 
@@ -337,36 +369,38 @@ def test_the_console_lists_the_objects_when_they_change_and_says_when_a_motion_e
         (["view", "--size", "big"], 2, '"big" is no size'),
     ],
 )
-def test_an_error_is_one_sentence_and_a_code(arguments: list[str], code: int, error: str) -> None:
-    done = run(*arguments)
+def test_an_error_is_one_sentence_and_a_code(
+    arguments: list[str], code: int, error: str, typed: Callable[..., Done]
+) -> None:
+    done = typed(*arguments)
     assert done.returncode == code
     assert error in " ".join(done.stderr.replace("│", " ").split())
     assert "Traceback" not in done.stderr
 
 
-def test_the_version_and_where_errors_come_from_are_offered() -> None:
-    assert run("--version").stdout == f"ahmss {ahmss.__version__}\n"
-    assert {"--version", "--debug"} <= set(run("--help").stdout.split())
+def test_the_version_and_where_errors_come_from_are_offered(typed: Callable[..., Done]) -> None:
+    assert typed("--version").stdout == f"ahmss {ahmss.__version__}\n"
+    assert {"--version", "--debug"} <= set(typed("--help").stdout.split())
     assert "Traceback" in run("play", "nothing.txt", "--debug").stderr
 
 
-def test_the_list_tells_what_is_wrong_with_a_kind(workspace: Path) -> None:
+def test_the_list_tells_what_is_wrong_with_a_kind(workspace: Path, typed: Callable[..., Done]) -> None:
     (workspace / "objectdb" / "loop").mkdir()
     (workspace / "objectdb" / "loop" / "object.toml").write_text('name = "loop"\n[[contains]]\nkind = "loop"\n')
     fault = "objectdb/loop/object.toml: contains[0].kind: a circle: loop contains loop; take one of them out"
-    box, loop = json.loads(run("list", "objects", "--json", "--workspace", str(workspace)).stdout)["objects"]
+    box, loop = json.loads(typed("list", "objects", "--json", "--workspace", str(workspace)).stdout)["objects"]
     assert "error" not in box
     assert loop["error"] == fault
-    assert f"loop\t{fault}" in run("list", "objects", "--workspace", str(workspace)).stdout.splitlines()
+    assert f"loop\t{fault}" in typed("list", "objects", "--workspace", str(workspace)).stdout.splitlines()
 
 
-def test_lists_and_checks_are_json_where_asked(workspace: Path) -> None:
-    kinds = json.loads(run("list", "--json", "--workspace", str(workspace)).stdout)
+def test_lists_and_checks_are_json_where_asked(workspace: Path, typed: Callable[..., Done]) -> None:
+    kinds = json.loads(typed("list", "--json", "--workspace", str(workspace)).stdout)
     assert [kind["name"] for kind in kinds["objects"]] == ["box"]
-    actions = json.loads(run("list", "box", "--json", "--workspace", str(workspace)).stdout)
+    actions = json.loads(typed("list", "box", "--json", "--workspace", str(workspace)).stdout)
     assert "wave" in {action["action"] for action in actions["box"]}
-    checked = run("check", "--json", "--workspace", str(workspace))
+    checked = typed("check", "--json", "--workspace", str(workspace))
     assert checked.returncode == 0, checked.stdout
     assert json.loads(checked.stdout)["problems"] == []
-    found = json.loads(run("doctor", "--json").stdout)
+    found = json.loads(typed("doctor", "--json").stdout)
     assert {"what", "ok", "found", "cure", "needed"} <= found["findings"][0].keys()
