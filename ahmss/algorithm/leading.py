@@ -8,6 +8,7 @@ shipped object algorithms of parts share.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
@@ -25,6 +26,7 @@ _FINGERS = ("index", "middle", "ring", "little")
 _BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
 _PINCHED = 0.8  # of the opening that thumb and index finger came with: so near to each other they have closed
 _STILL, _OPENED = 0.001, 0.003  # metres that they go in a frame when they have closed, and apart when they let go
+_LONG = 0.25  # metres: no fingertip is so far from the palm
 _PALM = 0  # of the two points of a hand that may lead
 
 
@@ -48,6 +50,11 @@ def led(
     brought = way
     before = task.object.frame
     for human in task.frames():
+        if leads is None and _far(task, human, sides, at(way), threshold):
+            for side, hand in hands.items():
+                hand.far(_bent(human, side))
+            yield way
+            continue
         tips = _tips(task, human, sides)
         points = {side: _points(task, human, side, tips[side]) for side in sides}
         for side, hand in hands.items():
@@ -87,6 +94,11 @@ class _Fingers:
         self._opening = opening
         self._widest = max(self._widest, opening) if near else opening
 
+    def far(self, bent: float) -> None:
+        """It is nowhere near: of its fingers no more is asked than how bent they are."""
+        self._bends, self._bent = abs(bent - self._bent), bent
+        self._opening, self._goes = None, 0.0
+
     def closes(self, which: int, bent: float) -> bool:
         """Whether it takes hold now, in the palm or between thumb and index finger."""
         assert self._opening is not None
@@ -119,6 +131,12 @@ def _nearest(points: dict[str, Array], end: Array) -> tuple[str, Array]:
     apart = {side: np.linalg.norm(place - end, axis=1) for side, place in points.items()}
     side = min(apart, key=lambda side: float(apart[side].min()))
     return side, apart[side]
+
+
+def _far(task: ObjectTask, human: HumanFrame, sides: Sequence[str], end: Array, threshold: float) -> bool:
+    """Whether neither palm nor fingertips of any hand can be as near as that to the part (3,)."""
+    place = task.object.frame.apply(end)
+    return all(math.dist(human.grip(side).place, place) > threshold + _LONG for side in sides)
 
 
 def _tips(task: ObjectTask, human: HumanFrame, sides: Sequence[str]) -> dict[str, Array]:
