@@ -255,9 +255,19 @@ def passing(name: str, hand: str, place: tuple[float, float, float], length: int
     return shown, performance.news()
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-@pytest.mark.parametrize("hand", ["right", "left"])
-@pytest.mark.parametrize(("aside", "z"), [(0.4, 1.1), (0.7, 0.6), (0.15, 1.1), (0.4, 1.6)])
+PASSED = [
+    ("ken", "right", 0.4, 1.1),
+    ("aiko", "left", 0.7, 0.6),
+    ("aiko", "right", 0.15, 1.1),
+    ("ken", "left", 0.4, 1.6),
+]
+OTHERS = [(name, hand, *place) for _, _, *place in PASSED for name in ("ken", "aiko") for hand in ("right", "left")]
+
+
+@pytest.mark.parametrize(
+    ("name", "hand", "aside", "z"),
+    PASSED + [pytest.param(*one, marks=pytest.mark.long) for one in OTHERS if one not in PASSED],
+)
 def test_a_place_that_is_passed_is_let_go_of_smoothly(name: str, hand: str, aside: float, z: float) -> None:
     shown, notes = passing(name, hand, (-0.2, -aside if hand == "right" else aside, z), 110)
     rotations = np.array([pose.rotations for pose in shown])
