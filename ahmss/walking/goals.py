@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import shapely
@@ -21,6 +22,14 @@ FARTHEST = 2000.0
 _NEAR = 0.20  # metres that one comes to things to use them
 _DIRECTIONS = 24
 _ROOM = 0.34  # metres that other things should be away: half the shoulders' width, and an arm
+_FARTHER = (
+    0.0,
+    0.05,
+    0.1,
+    0.15,
+)  # metres than the reach that one may stand from a thing, where there is no room nearer
+_LEANS, _SHOULDER, _APART = 0.2, 0.2, 0.06  # metres that shoulders come forward, that they are aside, and stay away
+_SQUEEZED = 20.0  # what each metre costs that a shoulder would be nearer than that to other things
 _BETWEEN = 5.0  # what it costs that one of them is between, where a metre of reach too far costs three
 
 
@@ -55,7 +64,8 @@ def facing_of(rotation: Array) -> float:
 def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float = REACH) -> Goal:
     """Where to stand to use a thing at a place (2,): within reach, clear of footprints, facing it, not far to go.
 
-    Nothing is to be between, as a wall is behind a table, nor close behind one; what the thing stands on may be close.
+    Nothing is to be between, as a wall is behind a table, nor close behind one, nor beside the shoulders of who leans
+    towards it; what the thing stands on may be close.
 
     Args:
         thing: the place of what is used, metres, world.
@@ -67,12 +77,14 @@ def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float =
     shapes = Obstacles.of(outlines, _NEAR).shapes
     others = shapes[shapely.distance(shapes, shapely.Point(thing)) > 0.0]
     best: tuple[float, Array] | None = None
-    for angle in angles.tolist():
-        wanted = thing + reach * np.array([np.cos(angle), np.sin(angle)])
+    for angle, farther in product(angles.tolist(), _FARTHER):
+        wanted = thing + (reach + farther) * np.array([np.cos(angle), np.sin(angle)])
         free = nearest_free(wanted, outlines, _NEAR)
         cost = 3.0 * abs(float(np.linalg.norm(free - thing)) - reach) + 0.3 * float(np.linalg.norm(free - human))
         if len(others):
             cost += 3.0 * max(_ROOM - float(shapely.distance(others, shapely.Point(free)).min()), 0.0)
+            near = shapely.distance(others[:, None], shapely.points(_shoulders(free, thing))).min()
+            cost += _SQUEEZED * max(_APART - float(near), 0.0)
             cost += _BETWEEN * bool(shapely.intersects(others, shapely.LineString([free, thing])).any())
         if best is None or cost < best[0]:
             best = cost, free
@@ -80,3 +92,10 @@ def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float =
     place = best[1]
     way = thing - place
     return Goal(place, float(np.arctan2(way[1], way[0])))
+
+
+def _shoulders(place: Array, thing: Array) -> Array:
+    """Where shoulders are (2, 2) of who stands at a place (2,) and leans towards a thing (2,)."""
+    ahead = (thing - place) / max(float(np.linalg.norm(thing - place)), 1e-9)
+    aside = _SHOULDER * np.array([[ahead[1], -ahead[0]], [-ahead[1], ahead[0]]])
+    return place + _LEANS * ahead + aside

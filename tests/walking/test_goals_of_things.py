@@ -48,3 +48,15 @@ def test_one_does_not_stand_where_a_wall_is_between() -> None:
     goal = beside(cup, human, [table, wall])
     assert goal.place[1] > 0.05
     assert shapely.distance(shapely.Polygon(table), shapely.Point(goal.place)) > 0.18
+
+
+def test_the_shoulders_of_who_leans_to_it_are_clear_of_what_stands_beside() -> None:
+    turn = np.radians(40.0)
+    table = box(0.0, 0.0, 1.0, 1.2) @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    table, cup = table + np.array([0.77, 0.2]), np.array([0.727, -0.293])
+    wall, jamb, shelf = box(2.0, -0.5, 3.34, 0.02), box(0.29, -0.5, 0.08, 0.16), box(2.5, -0.33, 0.92, 0.34)
+    goal = beside(cup, np.array([1.43, 1.09]), [table, wall, jamb, shelf], 0.475)
+    ahead = np.array([np.cos(goal.facing), np.sin(goal.facing)])
+    shoulder = goal.place + 0.2 * ahead + 0.2 * np.array([ahead[1], -ahead[0]])
+    assert shapely.distance(shapely.Polygon(jamb), shapely.Point(shoulder)) > 0.05
+    assert np.linalg.norm(goal.place - cup) < 0.66
