@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -22,8 +24,12 @@ SPINE = INDEX["spine"]
 FRAMES = 90
 ON = np.array([0.006, 0.0, 0.0])  # metres a frame
 ROW = {"right": 0, "left": 1}
+# Hands are mirror images: the other one is seen to in the long tests.
+SIDES = ["right", pytest.param("left", marks=pytest.mark.long)]
+MIRRORED = ["left", pytest.param("right", marks=pytest.mark.long)]
 
 
+@cache
 def carried(side: str, *, in_place: bool = False, sways: float = 0.0, aside: float = 0.2) -> tuple[Array, Array, Array]:
     """Poses (F, 43, 4) of who is carried straight on and reaches, the palms (F, 7) gone for, and how far off it is.
 
@@ -48,21 +54,21 @@ def carried(side: str, *, in_place: bool = False, sways: float = 0.0, aside: flo
     return np.array(made), np.array(palms), grips(HUMAN, made[-1], root)[ROW[side], :3] - hand.palm[:3]
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("side", SIDES)
 def test_it_is_there_with_the_last_frame_and_no_joint_jerks(side: str) -> None:
     made, _, off = carried(side)
     assert np.linalg.norm(off) < 0.002
     assert 0.1 < pops(made).max() < 1.3
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("side", SIDES)
 def test_a_pose_that_changes_in_place_changes_nothing(side: str) -> None:
     made, _, _ = carried(side, in_place=True)
     assert np.array_equal(made, carried(side)[0])
     assert np.linalg.norm(made[-1, SPINE] - ROTATIONS[SPINE]) > 0.02  # the waist has bent: what it began at matters
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("side", MIRRORED)
 def test_of_two_palms_as_easy_the_body_that_sways_does_not_take_now_this_now_that(side: str) -> None:
     _, palms, off = carried(side, sways=0.03, aside=0.1)
     heading = np.unwrap(2.0 * np.arctan2(palms[:, 6], palms[:, 3]))
@@ -71,7 +77,7 @@ def test_of_two_palms_as_easy_the_body_that_sways_does_not_take_now_this_now_tha
     assert np.linalg.norm(off) < 0.005
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("side", MIRRORED)
 def test_a_hand_rises_over_what_it_would_be_in_and_is_there_in_the_end(side: str) -> None:
     """A table under the place, whose top is higher than the way of the hand was half-way."""
     place = ROOT + np.array([ON[0] * FRAMES + 0.4, 0.2 if side == "left" else -0.2, 0.05])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ FEET = Feet((Frame(0.0, -0.1, -0.1), Frame(0.0, 0.1, 0.1)), -0.08, 0.19)
 HERE = Frame(0.0, 0.0, 0.0)
 
 
+@cache  # several tests look at one turn
 def taken(turn: float, lead: int | None = None, *, even: bool = False) -> list[Placed]:
     return footsteps(FEET, FEET.own, HERE, Frame(0.0, 0.0, np.radians(turn)), 2, lead, even=even)
 
