@@ -73,8 +73,13 @@ def test_the_pinch_goes_with_the_lever(name: str, begins: float, ends: float) ->
     assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-@pytest.mark.parametrize("begins", [0.0, LARGEST])
+@pytest.mark.parametrize(
+    ("name", "begins"),
+    [
+        ("ken", 0.0), ("aiko", LARGEST),
+        pytest.param("aiko", 0.0, marks=pytest.mark.long), pytest.param("ken", LARGEST, marks=pytest.mark.long),
+    ],
+)  # fmt: skip
 def test_thumb_and_a_finger_stay_on_the_lever_while_it_turns(name: str, begins: float) -> None:
     body, side = standing(name), "right"
     before = PoseRecord.of(body.rotations, body.root)

@@ -113,7 +113,7 @@ def test_all_keys_are_reached(seed: int) -> None:
     judge(seed, ALL)
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("name", ["aiko", pytest.param("ken", marks=pytest.mark.long)])
 def test_all_keys_of_a_text_are_reached_on_a_low_desk(name: str) -> None:
     judge(4, "QUICK BROWN FOX 1234567890", name, height=0.72, away=0.4)
 
