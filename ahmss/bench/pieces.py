@@ -91,10 +91,13 @@ def _windings(points: Array, triangles: Array) -> Array:
 
     Van Oosterom and Strackee 1983, "The solid angle of a plane triangle".
     """
-    a, b, c = (triangles[None, :, i] - points[:, None] for i in range(3))
-    la, lb, lc = (np.linalg.norm(side, axis=-1) for side in (a, b, c))
-    volume = np.einsum("ntc,ntc->nt", a, np.cross(b, c))
-    ab, bc, ca = (np.einsum("ntc,ntc->nt", p, q) for p, q in ((a, b), (b, c), (c, a)))
+    # Coordinates each by itself (n, T): several times as fast as vectors of three.
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (
+        [triangles[None, :, i, k] - points[:, None, k] for k in range(3)] for i in range(3)
+    )
+    la, lb, lc = (np.sqrt(x * x + y * y + z * z) for x, y, z in ((ax, ay, az), (bx, by, bz), (cx, cy, cz)))
+    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    ab, bc, ca = ax * bx + ay * by + az * bz, bx * cx + by * cy + bz * cz, cx * ax + cy * ay + cz * az
     return np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb).sum(axis=1) / (2.0 * np.pi)
 
 

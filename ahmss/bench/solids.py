@@ -36,13 +36,25 @@ class Solid:
         return self.piece.bounds
 
 
+@dataclass(frozen=True)
+class _Hull:
+    """The planes (m, 4) of a convex hull, outward normals and offsets, and how far its corners are from the origin."""
+
+    planes: Array
+    far: float
+
+    @classmethod
+    def of(cls, corners: Array) -> _Hull:
+        return cls(np.asarray(ConvexHull(corners).equations), float(np.linalg.norm(corners, axis=1).max()))
+
+
 class Solids:
     """The kinds of a workspace as solids, read when somebody comes near."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
         self._parts: dict[str, list[Solid]] = {}
-        self._hulls: dict[str, Array | None] = {}
+        self._hulls: dict[str, _Hull | None] = {}
 
     def depth(self, kind: str, pose: Array, states: Mapping[str, object], points: Array) -> Array:
         """How deep points (n, 3) of the world are in an object (7,) of a kind, metres, 0 outside."""
@@ -52,12 +64,15 @@ class Solids:
             return deep
         inner = rotate(conjugate(pose[3:]), points - pose[:3])
         seen = looks(self._workspace.objects.get(kind).behaviour, states)
-        as_modelled = {"": inner}
+        as_modelled, spans = {"": inner}, dict[str, tuple[Array, Array]]()
         for solid in parts:
             look = seen.get(solid.part, _AS_IT_IS)
             if solid.part not in as_modelled:
                 as_modelled[solid.part] = inner if look.matrix is None else _moved_back(inner, look.matrix)
-            if look.shown:
+            if solid.part not in spans:
+                spans[solid.part] = as_modelled[solid.part].min(axis=0), as_modelled[solid.part].max(axis=0)
+            (low, high), (lowest, highest) = spans[solid.part], solid.bounds
+            if look.shown and (low < highest).all() and (high > lowest).all():
                 deep = np.maximum(deep, solid.piece.depth(as_modelled[solid.part]))
         return deep
 
@@ -67,18 +82,20 @@ class Solids:
         A cup is thin: what is through its wall, or within, is never deep in that. Of what is not round, which hands
         may be in (a basin, a shelf), 0.
         """
-        hull = self._hull(kind)
+        deep, hull = np.zeros(len(points)), self._hull(kind)
         if hull is None:
-            return np.zeros(len(points))
-        inner = rotate(conjugate(pose[3:]), points - pose[:3])
-        return np.maximum(-(inner @ hull[:, :3].T + hull[:, 3]).max(axis=-1), 0.0)
+            return deep
+        near = np.flatnonzero(np.linalg.norm(points - pose[:3], axis=1) < hull.far)
+        inner = rotate(conjugate(pose[3:]), points[near] - pose[:3])
+        deep[near] = np.maximum(-(inner @ hull.planes[:, :3].T + hull.planes[:, 3]).max(axis=-1), 0.0)
+        return deep
 
-    def _hull(self, kind: str) -> Array | None:
-        """The planes (m, 4) of a round thing's convex hull, outward normals and offsets; None for other things."""
+    def _hull(self, kind: str) -> _Hull | None:
+        """The convex hull of a round thing; None for other things."""
         if kind not in self._hulls:
             parts = self.parts(kind) if "diameter" in self._workspace.objects.get(kind).properties else []
             corners = np.concatenate([solid.piece.triangles.reshape(-1, 3) for solid in parts]) if parts else None
-            self._hulls[kind] = None if corners is None else np.asarray(ConvexHull(corners).equations)
+            self._hulls[kind] = None if corners is None else _Hull.of(corners)
         return self._hulls[kind]
 
     def parts(self, kind: str) -> list[Solid]:
