@@ -30,7 +30,8 @@ from ahmss.walking.goals import Goal, facing_of
 from ahmss.walking.library import BODY
 
 DOWN, UP = 2.1, 1.8  # seconds: sitting down takes 10 to 20 % longer than standing up
-OVER_SEAT = 0.0695  # of stature: the hips' height over what bears them
+# The hips' height over what bears them, of the hip joints' distance from the middle: who is wide there is thick there.
+OVER_SEAT = 1.415
 NEAR, MOST, ASIDE = (0.06, np.radians(6.0)), 1.2, 0.15  # metres and radians: who stands so is not moved; metres stepped
 TAKEN = 0.35  # metres from the seat's middle: who is so near is on it
 LEAN = np.radians(47.0)  # of the trunk, at the most
@@ -74,7 +75,7 @@ def sit(task: HumanTask) -> Iterator[Array]:
     if task.parameter("up", False):
         yield _up(task)
         return
-    if task.start.root[2] < task.site.place[2] + 2.0 * OVER_SEAT * task.human.stature:
+    if task.start.root[2] < task.site.place[2] + 2.0 * _thick(task):
         raise AlgorithmError("one must stand to sit down; stand up first")
     walk_library(task)
     stand = task.object.site("stand", task.start.root)
@@ -214,9 +215,14 @@ def _seat(task: HumanTask) -> tuple[float, Transform]:
     return facing_of(task.site.rotation), task.site
 
 
+def _thick(task: HumanTask) -> float:
+    """How high the hips are over what bears them, metres."""
+    return OVER_SEAT * abs(float(task.human.offsets[INDEX["right_upper_leg"], 1]))
+
+
 def _over(task: HumanTask, seat: Transform) -> Array:
     """Where the hips are (3,) of who sits."""
-    return seat.place + OVER_SEAT * task.human.stature * UPWARD
+    return seat.place + _thick(task) * UPWARD
 
 
 def _seated(task: HumanTask, stance: Stance) -> Stance:

@@ -59,7 +59,7 @@ def arrays(shown: list[HumanPose]) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_one_sits_on_the_seat_and_no_deeper_than_cloth_gives(seed: int) -> None:
+def test_one_sits_on_the_seat_and_neither_in_nor_over_it(seed: int) -> None:
     name, frame = ("ken", "aiko")[seed % 2], chair(seed)
     body = at(name, frame)
     down = does(body, "sit", frame)
@@ -69,7 +69,7 @@ def test_one_sits_on_the_seat_and_no_deeper_than_cloth_gives(seed: int) -> None:
     assert 0.10 < height - 0.43 < 0.13
     up = does(body, "stand_up", frame)
     depths = [deepest(name, pose, frame, (*SEAT, *LEGS))[0] for pose in [*down[::9], down[-1], *up[::9]]]
-    assert -0.01 < max(depths) < 0.010
+    assert -0.006 < max(depths) < 0.002
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])
@@ -116,7 +116,7 @@ def test_a_hand_that_holds_something_keeps_it_upright_and_clear_of_the_chair(nam
         assert np.degrees(np.linalg.norm(tipped, axis=-1)).max() < 2.0
         assert np.linalg.norm(np.diff(palms[:, :3], axis=0), axis=1).max() * 60.0 < 1.3
         assert all(pose.targets[0, 7] == 1.0 for pose in shown)
-        assert max(deepest(name, pose, frame, (*SEAT, *LEGS))[0] for pose in shown[::10]) < 0.010
+        assert max(deepest(name, pose, frame, (*SEAT, *LEGS))[0] for pose in shown[::10]) < 0.002
         if action == "sit":
             assert palms[-1, 2] > 0.43 + 0.2
 
