@@ -70,7 +70,8 @@ class Solids:
             if solid.part not in as_modelled:
                 as_modelled[solid.part] = inner if look.matrix is None else _moved_back(inner, look.matrix)
             if solid.part not in spans:
-                spans[solid.part] = as_modelled[solid.part].min(axis=0), as_modelled[solid.part].max(axis=0)
+                columns = np.ascontiguousarray(as_modelled[solid.part].T)  # far faster than row by row
+                spans[solid.part] = columns.min(axis=1), columns.max(axis=1)
             (low, high), (lowest, highest) = spans[solid.part], solid.bounds
             if look.shown and (low < highest).all() and (high > lowest).all():
                 deep = np.maximum(deep, solid.piece.depth(as_modelled[solid.part]))
