@@ -76,8 +76,8 @@ def test_the_pinch_goes_with_the_lever(name: str, begins: float, ends: float) ->
 @pytest.mark.parametrize(
     ("name", "begins"),
     [
-        ("ken", 0.0), ("aiko", LARGEST),
-        pytest.param("aiko", 0.0, marks=pytest.mark.long), pytest.param("ken", LARGEST, marks=pytest.mark.long),
+        ("ken", LARGEST), ("aiko", 0.0),
+        pytest.param("ken", 0.0, marks=pytest.mark.long), pytest.param("aiko", LARGEST, marks=pytest.mark.long),
     ],
 )  # fmt: skip
 def test_thumb_and_a_finger_stay_on_the_lever_while_it_turns(name: str, begins: float) -> None:

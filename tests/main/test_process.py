@@ -10,7 +10,7 @@ import pytest
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
-from ahmss.main import agenda
+from ahmss.main import agenda, layout
 from ahmss.main.process import MainProcess, Setup
 from ahmss.world.process import ServerProcess
 from tests.main.conftest import ALGORITHMS, make_workspace, write_algorithm, write_peer
@@ -268,6 +268,26 @@ def test_a_motion_that_is_stopped_leaves_the_body_where_it_is(server: Start, joi
     assert main.report.messages == []
 
 
+@pytest.fixture
+def looks_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The files are looked at five times a second."""
+    monkeypatch.setattr(layout, "_EVERY", 12)
+
+
+def parts(main: MainProcess) -> set[str]:
+    return {name for name in main.communication.world.objects if "/" in name}
+
+
+def wait_until(main: MainProcess, happens: Callable[[], bool]) -> None:
+    """It goes on until something happens, and for a second more, in which what is said again and again is said."""
+    for _ in range(200):
+        main.play(steps("wait 0.1"))
+        if happens():
+            break
+    main.play(steps("wait 1"))
+
+
+@pytest.mark.usefixtures("looks_often")
 def test_new_and_moved_entries_follow_the_file_while_the_world_runs(server: Start, join: Join, workspace: Path) -> None:
     shelf = workspace / "objectdb" / "shelf"
     shelf.mkdir()
@@ -276,14 +296,14 @@ def test_new_and_moved_entries_follow_the_file_while_the_world_runs(server: Star
     main = join(server())
     main.play(steps("add shelf at 1 0 0 facing 90"))
     (shelf / "object.toml").write_text('name = "shelf"\n' + entry.format("one", 0.1) + entry.format("three", 0.3))
-    main.play(steps("wait 2.5"))
+    wait_until(main, lambda: parts(main) == {"shelf/one", "shelf/three"})
     assert main.report.messages == []
     world = main.communication.world
-    assert {name for name in world.objects if "/" in name} == {"shelf/one", "shelf/three"}
+    assert parts(main) == {"shelf/one", "shelf/three"}
     assert np.abs(world.pose("shelf/one")[:3] - [1.0, 0.1, 0.0]).max() < 1e-6
     assert np.abs(world.pose("shelf/three")[:3] - [1.0, 0.3, 0.0]).max() < 1e-6
     (shelf / "object.toml").write_text('nam = "shelf"\n')
-    main.play(steps("wait 2.5"))
+    wait_until(main, lambda: bool(main.report.messages))
     assert len(main.report.messages) == 1
     assert "objectdb/shelf/object.toml" in main.report.messages[0]
 
@@ -299,6 +319,7 @@ def test_what_never_comes_is_waited_for_so_long_and_told(
     assert ken.report.messages == [f"line 1: b lid == open has not come in {frames / 60:g} s; it is shut"]
 
 
+@pytest.mark.usefixtures("looks_often")
 def test_what_is_in_use_follows_its_file_when_it_is_let_go(server: Start, join: Join, workspace: Path) -> None:
     shelf = workspace / "objectdb" / "shelf"
     shelf.mkdir()
@@ -309,17 +330,17 @@ def test_what_is_in_use_follows_its_file_when_it_is_let_go(server: Start, join: 
     client = main.communication.client
     client.claim("ken", ["shelf/one", "shelf/two"], "")
     (shelf / "object.toml").write_text('name = "shelf"\n' + entry.format("one", 0.1))
-    main.play(steps("wait 3.5"))
+    wait_until(main, lambda: len(main.report.messages) == 2)
     world = main.communication.world
-    assert {name for name in world.objects if "/" in name} == {"shelf/one", "shelf/two"}
+    assert parts(main) == {"shelf/one", "shelf/two"}
     held = [
         f"shelf/{what} when it is let go"
         for what in ("one is held by ken; it can be moved", "two is held by ken; it can be removed")
     ]
     assert sorted(main.report.messages) == held  # each said once
     client.release("ken", ["shelf/one", "shelf/two"])
-    main.play(steps("wait 2.5"))
-    assert {name for name in world.objects if "/" in name} == {"shelf/one"}
+    wait_until(main, lambda: parts(main) == {"shelf/one"})
+    assert parts(main) == {"shelf/one"}
     assert np.abs(world.pose("shelf/one")[:3] - [1.1, 0.0, 0.0]).max() < 1e-6
 
 
