@@ -12,11 +12,18 @@ import msgspec
 import numpy as np
 import pytest
 
+from ahmss.capture import port
 from ahmss.capture.config import LineConfig, TrackerConfig, UdpConfig
 from ahmss.capture.device import Tracker
 from ahmss.capture.formats import ultratrak
 from ahmss.capture.stations import Status
 from tests.capture.faked import Fake, truth
+
+
+@pytest.fixture
+def soon_set_up(monkeypatch):
+    """A device that is silent is set up again after three quarters of a second."""
+    monkeypatch.setattr(port, "_SILENT", 0.75)
 
 
 def frames_of(tracker, count, seconds=20.0):
@@ -163,6 +170,7 @@ def test_a_device_that_falls_silent_and_goes_on():
     assert tracker.losses.lost >= 40
 
 
+@pytest.mark.usefixtures("soon_set_up")
 @pytest.mark.parametrize(("kind", "mode"), [("liberty", "continuous"), ("fastrak", "poll")])
 def test_a_device_that_was_switched_off_and_on_is_set_up_again(kind, mode):
     with Fake(kind, 3) as fake, Tracker(fake.config(mode)) as tracker:
@@ -178,6 +186,7 @@ def test_a_device_that_was_switched_off_and_on_is_set_up_again(kind, mode):
     assert frames[-1].status[:3].tolist() == [0, 0, 0]
 
 
+@pytest.mark.usefixtures("soon_set_up")
 def test_a_device_that_is_switched_on_late_is_set_up_then():
     with Fake("liberty", 2, off=True) as fake, Tracker(fake.config()) as tracker:
         assert "not a byte comes; is the LIBERTY switched on" in silence_of(tracker, "not a byte")

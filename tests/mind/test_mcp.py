@@ -12,6 +12,7 @@ import pytest
 from ahmss_viewer.graphics import find_headless
 from PIL import Image
 
+from ahmss import cli
 from ahmss.errors import NoAnswer
 from ahmss.mind.tools import Mind, make_server
 from tests.mind.conftest import Collaborator, collaborate
@@ -112,14 +113,16 @@ def test_without_a_main_it_says_how_to_start_one() -> None:
     assert said.endswith("or let it start a world of its own: ahmss mcp --scene room")
 
 
-def test_a_scene_that_is_none_is_said_to_be_none() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "ahmss", "mcp", "--scene", "rom"], stdin=subprocess.DEVNULL, capture_output=True,
-        text=True, timeout=50, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout) == (1, "")
-    assert 'ahmss: the main process did not start: no kind of object "rom", did you mean "room"?' in done.stderr
-    assert "Traceback" not in done.stderr
+def test_a_scene_that_is_none_is_said_to_be_none(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["ahmss", "mcp", "--scene", "rom"])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    out, said = capfd.readouterr()
+    assert (ended.value.code, out) == (1, "")
+    assert 'ahmss: the main process did not start: no kind of object "rom", did you mean "room"?' in said
+    assert "Traceback" not in said
 
 
 def test_without_the_package_it_says_what_to_install() -> None:
