@@ -76,20 +76,23 @@ def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float =
     angles = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
     shapes = Obstacles.of(outlines, _NEAR).shapes
     others = shapes[shapely.distance(shapes, shapely.Point(thing)) > 0.0]
-    best: tuple[float, Array] | None = None
-    for angle, farther in product(angles.tolist(), _FARTHER):
+    best: tuple[float, float, Array] | None = None
+    for farther, angle in product(_FARTHER, angles.tolist()):
+        if angle == 0.0 and best is not None and best[1] <= 0.0:
+            break  # there is room: one stands no farther away
+        squeezed = 0.0
         wanted = thing + (reach + farther) * np.array([np.cos(angle), np.sin(angle)])
         free = nearest_free(wanted, outlines, _NEAR)
         cost = 3.0 * abs(float(np.linalg.norm(free - thing)) - reach) + 0.3 * float(np.linalg.norm(free - human))
         if len(others):
             cost += 3.0 * max(_ROOM - float(shapely.distance(others, shapely.Point(free)).min()), 0.0)
             near = shapely.distance(others[:, None], shapely.points(_shoulders(free, thing))).min()
-            cost += _SQUEEZED * max(_APART - float(near), 0.0)
-            cost += _BETWEEN * bool(shapely.intersects(others, shapely.LineString([free, thing])).any())
+            squeezed = _SQUEEZED * max(_APART - float(near), 0.0)
+            cost += squeezed + _BETWEEN * bool(shapely.intersects(others, shapely.LineString([free, thing])).any())
         if best is None or cost < best[0]:
-            best = cost, free
+            best = cost, squeezed, free
     assert best is not None
-    place = best[1]
+    place = best[2]
     way = thing - place
     return Goal(place, float(np.arctan2(way[1], way[0])))
 
