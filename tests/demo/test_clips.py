@@ -19,7 +19,9 @@ def test_the_script_makes_the_clips_that_are_here() -> None:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize(("words", "code"), [(["--help"], 0), (["--chekc"], 2), (["check"], 2)])
+@pytest.mark.parametrize(
+    ("words", "code"), [(["--help"], 0), (["--chekc"], 2), pytest.param(["check"], 2, marks=pytest.mark.long)]
+)
 def test_the_script_makes_nothing_where_it_is_asked_for_help_or_is_not_understood(words: list[str], code: int) -> None:
     done = subprocess.run(
         [sys.executable, "scripts/make_motions.py", *words], cwd=ROOT, capture_output=True, text=True, check=False

@@ -100,7 +100,7 @@ def test_a_hand_rises_over_what_it_would_be_in_and_is_there_in_the_end(side: str
     assert np.abs(np.diff(risen, n=2)).max() < 0.0101  # softly
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("on", [0.004, 0.006])
 def test_a_hand_that_hangs_far_before_a_table_is_over_its_top_before_it_comes_to_its_edge(side: str, on: float) -> None:
     """The place is half a metre behind the edge: raised as usual the hand would pass through the top."""

@@ -64,7 +64,7 @@ def gaps(side: str, near: list[Prism], place: Array) -> tuple[Array, float]:
     return np.array(found), float(np.linalg.norm(targets[ROW[side], :3] - hand.palm[:3]))
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize("side", ["left", pytest.param("right", marks=pytest.mark.long)])  # mirror images
 def test_it_comes_round_the_thing_to_its_place(side: str) -> None:
     place = ROOT + np.array([ON[0] * FRAMES + 0.4, SIGN[side] * 0.4, 0.05])
     through, _ = gaps(side, [], place)
