@@ -92,10 +92,14 @@ def _swung(
 
 CASES = [("open", BEFORE, 90.0), ("open", BEHIND, -90.0), ("close", BEFORE, 90.0), ("close", BEHIND, -120.0)]
 BY_OTHERS = [("aiko", "open"), ("ken", "close")]
+BY_EITHER = [  # one of the two, the other in the long tests
+    pytest.param(name, *case, marks=[pytest.mark.long] if (i + j) % 2 else [])
+    for i, name in enumerate(("ken", "aiko"))
+    for j, case in enumerate(CASES)
+]
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+@pytest.mark.parametrize(("name", "action", "at", "facing"), BY_EITHER)
 def test_it_swings_wide_enough_to_pass_or_shut_and_nothing_goes_through_leaf_or_frame(
     name: str, action: str, at: Array, facing: float
 ) -> None:
@@ -113,8 +117,7 @@ def test_it_swings_wide_enough_to_pass_or_shut_and_nothing_goes_through_leaf_or_
     assert max(depths)[0] < 0.006, max(depths)
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+@pytest.mark.parametrize(("name", "action", "at", "facing"), BY_EITHER)
 def test_the_hand_is_on_the_lever_while_the_leaf_turns_softly(name: str, action: str, at: Array, facing: float) -> None:
     made = swung(name, action, at, facing, seed=3)
     turns = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4)
@@ -172,8 +175,7 @@ def test_fingers_and_thumb_are_on_the_lever_all_the_way_and_not_in_it(name: str,
         assert (sides @ sides.T).min() < OPPOSITE, k
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-@pytest.mark.parametrize(("action", "at", "facing"), CASES)
+@pytest.mark.parametrize(("name", "action", "at", "facing"), BY_EITHER)
 def test_neither_palm_nor_finger_is_in_the_door_that_it_turns_and_no_joint_is_fast(
     name: str, action: str, at: Array, facing: float
 ) -> None:
