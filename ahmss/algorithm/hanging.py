@@ -50,7 +50,6 @@ class Hanging:
 
     def over(self, prisms: Sequence[Prism], rotations: Array, root: Array) -> Array:
         """Put the arm of poses (n, 43, 4), (n, 3) where no skin is in things; how far it is aside (n,), 0 to 1."""
-        shares = np.zeros(len(rotations))
         points, radii = skin_of(self._reacher, rotations, root)
         points = _gone_on(points)
         radii = radii + (_AIR - AIR)
@@ -59,7 +58,8 @@ class Hanging:
         prisms = [prism for prism in prisms if prism.meets(*ends)]
         gap = (clearance(prisms, points, room) - radii).min(axis=-1) - AIR if prisms else np.full(len(points), np.inf)
         under = [~prism.over(root) for prism in prisms]
-        for k in range(len(shares)):
+        moved = np.zeros((len(rotations), 3))
+        for k in range(len(moved)):
             ahead = k + np.array(_AHEAD)
             if self.still and gap[ahead].min() > 0.0:
                 continue
@@ -70,9 +70,12 @@ class Hanging:
                 for prism, beside in zip(prisms, under, strict=True)
                 if beside[k] and prism.meets(low, high) and not _deep_in(prism, own)
             ]
-            moved = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
-            rotations[k, self._reacher.links] = with_hand_moved(self._reacher, rotations[k], root[k], moved)
-            shares[k] = min(float(np.linalg.norm(moved)) / _ALL, 1.0)
+            moved[k] = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
+        shares = np.minimum(np.linalg.norm(moved, axis=-1) / _ALL, 1.0)
+        (aside,) = np.nonzero(shares)
+        if len(aside):
+            made = with_hand_moved(self._reacher, rotations[aside], root[aside], moved[aside])
+            rotations[aside, self._reacher.links] = made
         return shares
 
 

@@ -17,29 +17,29 @@ _SOFT, _FULLY = 0.985, 0.996  # of the arm's length: from where on it gives less
 
 
 def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Array) -> Array:
-    """The arm's rows (3, 4) of a pose (43, 4), (3,) whose hand is moved by (3,) metres in the world.
+    """The arm's rows (..., 3, 4) of poses (..., 43, 4), (..., 3) whose hand is moved by (..., 3) metres in the world.
 
     The hand is turned no farther than its joints allow, but where it was beyond that it may be so still.
     """
-    arm, before = reacher.arm, rotations[reacher.links]
+    arm, before = reacher.arm, rotations[..., reacher.links, :]
     turn = multiply(seat(reacher.skeleton, rotations, root)[1], arm.rotation)
     links = arm.from_pose(before)
     wrist = wrist_of(arm, links)
     place = wrist.place + rotate(conjugate(turn), moved)
-    wrist = Wrist(_within(reacher.length, place, float(np.linalg.norm(wrist.place))), wrist.rotation)
-    made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(np.zeros(()))
+    wrist = Wrist(_within(reacher.length, place, np.linalg.norm(wrist.place, axis=-1)), wrist.rotation)
+    made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(np.zeros(place.shape[:-1]))
     held, (low, high) = hand_angles(links), limits_of(arm)[HAND].T
     made = with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
     return align(arm.into_pose(made), before)
 
 
-def _within(length: float, place: Array, was: float) -> Array:
-    """The wrist's place (3,) from the shoulder, not so far that the elbow becomes straight: it would get there, and
-    leave, ever faster. Who held it farther off, `was` metres, may.
+def _within(length: float, place: Array, was: Array) -> Array:
+    """The wrist's places (..., 3) from the shoulder, not so far that the elbow becomes straight: it would get there,
+    and leave, ever faster. Who held it farther off, `was` metres (...), may.
     """
-    away = float(np.linalg.norm(place))
-    soft = max(_SOFT * length, was)
-    if away <= soft:
-        return place
-    span = max(_FULLY * length - soft, 1e-9)
-    return place * ((soft + span * (1.0 - np.exp((soft - away) / span))) / away)
+    away = np.linalg.norm(place, axis=-1)
+    soft = np.maximum(_SOFT * length, was)
+    span = np.maximum(_FULLY * length - soft, 1e-9)
+    over = np.maximum(away - soft, 0.0)
+    held = soft + span * -np.expm1(-over / span)
+    return np.where(over > 0.0, held / np.maximum(away, 1e-9), 1.0)[..., None] * place
