@@ -14,7 +14,7 @@ from .layouts import Control, Layout, Used, about_z, somebody, used
 from .scene import Body, program
 
 PUSHED = 39  # frames in which a finger comes, pushes, and is drawn back
-FAST, ALL = range(2), range(2, 50)
+FAST, ALL = range(3), range(3, 50)
 EACH = 4  # buttons of a layout that are pressed
 
 
