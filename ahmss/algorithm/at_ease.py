@@ -6,6 +6,8 @@ stretched, or turns far, may not have. What the shipped algorithms share, and an
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
@@ -29,14 +31,19 @@ def at_ease(task: HumanTask, rows: Array) -> Array:
     return resampled(rows, times_at_ease(task, rows))
 
 
-def times_at_ease(task: HumanTask, rows: Array) -> Array:
-    """The times (m,), in frames of rows (n, 260), at which these are to be shown, from 0 to n - 1."""
+def times_at_ease(task: HumanTask, rows: Array, links: Sequence[int] = (), *, wish: bool = False) -> Array:
+    """The times (m,), in frames of rows (n, 260), at which these are to be shown, from 0 to n - 1.
+
+    Args:
+        task: who, and whether the number of frames was said. rows: the motion.
+        links: further joints that count, as a hand's fingers. wish: whether the number that was said is but a wish.
+    """
     n, rate = len(rows), task.rate
-    if n < 3 or task.length:
+    if n < 3 or (task.length and not wish):
         return np.arange(float(n))
     targets = rows[:, _TARGETS].reshape(n, 5, 8)
     shown = solve(task.human, rows[:, _ROTATIONS].reshape(n, 43, 4), rows[:, 1:4], targets)
-    rotations, targets = shown[:, _JOINTS], targets[:, RIGHT_HAND : LEFT_HAND + 1]
+    rotations, targets = shown[:, [*_JOINTS, *links]], targets[:, RIGHT_HAND : LEFT_HAND + 1]
     palms = _turned(targets[..., 3:7]) * (targets[1:, :, 7] > 0.0) * (targets[:-1, :, 7] > 0.0)
     fast = np.maximum(_turned(rotations).max(axis=-1) / AIMED, palms.max(axis=-1) / _PALM) * rate / _RATE
     if fast.max() <= 1.0:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ahmss.algorithm.closing_way import out_by
+from ahmss.algorithm.closing_way import THERE_BY, out_by, there_by
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanFrame, HumanTask, ObjectTask
 from ahmss.body.array import Array
@@ -42,7 +42,8 @@ class Closing:
 
     palm: its frame. shape: (14, 4) rotations of the fingers, in the order of links. wide: (14, 4) of the fingers as
     they must open first; None where they can close from where they are. spine: (4,) as the arm asks the waist to bend;
-    None where it may stay. out: metres by which the palm goes out on its way there.
+    None where it may stay. out: metres by which the palm goes out on its way there. by: the share
+    of the time at which it is there.
     """
 
     palm: Transform
@@ -50,6 +51,7 @@ class Closing:
     wide: Array | None
     spine: Array | None = None
     out: float = 0.0
+    by: float = THERE_BY
 
 
 def read_shape(task: HumanTask | ObjectTask) -> None:
@@ -101,10 +103,12 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     if far > most:
         raise AlgorithmError(f"the palm is {far:.2f} m from where it holds {thing.name}; reach for it first")
     present = task.start.rotations[list(fingers(side))]
-    wide, out = _wide(hand, field, grip, present, holding), 0.0
+    wide, out, by = _wide(hand, field, grip, present, holding), 0.0, THERE_BY
+    if task.length and not task.message.wish:  # who may take longer takes longer
+        by = there_by(grip.row(), holding.palm, task.length)
     if wide is not None:
-        out = out_by(hand, field, (grip.row(), holding.palm), (present, holding.shape, wide))
-    return Closing(thing.frame.then(palm), holding.shape, wide, spine, out)
+        out = out_by(hand, field, (grip.row(), holding.palm), (present, holding.shape, wide), by)
+    return Closing(thing.frame.then(palm), holding.shape, wide, spine, out, by)
 
 
 class _Arm:

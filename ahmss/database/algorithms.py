@@ -53,6 +53,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     shape: bool = False
     carries: bool = False
     accompanies: bool = False
+    stretches: bool = False
     parameters: dict[str, dict[str, Any]] = {}
 
 
@@ -130,7 +131,8 @@ class AlgorithmFinder:
         argv = self._argv(document, top.argv)
         if top.ways and not top.humans:
             raise document.error(("ways",), "asks where the other humans mean to be; add `humans = true`")
-        asks = (top.world, top.footprints, top.humans, top.shape, top.carries, top.accompanies, top.ways)
+        body = (top.carries, top.accompanies, top.ways, top.stretches)
+        asks = (top.world, top.footprints, top.humans, top.shape, *body)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 
     def _argv(self, document: Document, argv: list[str]) -> tuple[str, ...]:

@@ -133,6 +133,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     shape: whether START says where the target's shape is kept.
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
+    stretches: whether it takes longer than its action's frames, where these are too few and nobody asks for so many.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -149,6 +150,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     carries: bool = False
     accompanies: bool = False
     ways: bool = False
+    stretches: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

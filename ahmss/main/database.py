@@ -61,7 +61,7 @@ class Order:
     @property
     def wish(self) -> bool:
         """Whether its frames are a wish: its algorithm says itself when it is over."""
-        return self.affordance.frames == 0
+        return self.affordance.frames == 0 or (self.human_algorithm.stretches and not self.act.frames)
 
     @property
     def title(self) -> str:

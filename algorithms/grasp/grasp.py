@@ -12,7 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, importance_of, run
-from ahmss.algorithm.closing_way import THERE_BY, fingers_at, palms_at
+from ahmss.algorithm.at_ease import resampled, times_at_ease
+from ahmss.algorithm.closing_carried import closing_carried
+from ahmss.algorithm.closing_way import fingers_at, moved_at, palms_at
 from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
@@ -53,10 +55,15 @@ def grasp(task: HumanTask) -> Iterator[Array]:
         yield _frames(task, side, present[None], (grip.row()[None], np.zeros(1)))
         time = time[1:]
     end = _closing(task, side, grip)
-    shapes = fingers_at(time, present, end.shape, end.wide)
-    palms = palms_at(time, grip.row(), end.palm.row(), end.out)
-    moved = minimum_jerk(time / THERE_BY)
-    yield _frames(task, side, shapes, (palms, moved), end.spine)
+    shapes = fingers_at(time, present, end.shape, end.wide, end.by)
+    palms = palms_at(time, grip.row(), end.palm.row(), end.out, end.by)
+    moved = moved_at(time, end.by)
+    rows = _frames(task, side, shapes, (palms, moved), end.spine)
+    if task.carried:
+        yield from closing_carried(task, side, rows)
+        return
+    times = times_at_ease(task, rows, fingers(side), wish=bool(task.message.wish))
+    yield resampled(rows, times)
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:

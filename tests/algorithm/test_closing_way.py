@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm.closing_way import THERE_BY, fingers_at, out_by, palms_at
+from ahmss.algorithm.closing_way import THERE_BY, fingers_at, out_by, palms_at, there_by
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
@@ -77,3 +77,21 @@ def test_fingers_open_before_they_close() -> None:
     assert made == pytest.approx(np.array([present, wide, wide, shape]))
     direct = fingers_at(TIME, present, shape, None)
     assert (np.diff(direct[:, 0, 3]) >= 0.0).all()
+
+
+def test_a_palm_that_turns_far_takes_all_of_the_time_and_turns_evenly() -> None:
+    start, end = (np.array([0.0, 0.0, 0.0, np.cos(half), 0.0, 0.0, np.sin(half)]) for half in np.radians([0.0, 48.0]))
+    by, frames = there_by(start, end, 30), np.arange(31) / 30.0
+    assert by == 1.0
+    assert there_by(start, end, 60) == THERE_BY
+    turned = 2.0 * np.degrees(np.arctan2(*palms_at(frames, start, end, by=by)[:, [6, 3]].T))
+    assert turned[[0, -1]] == pytest.approx([0.0, 96.0])
+    assert 4.0 < np.diff(turned).max() < 5.0
+    assert 0.3 < np.abs(np.diff(turned, n=2, prepend=0.0, append=96.0)).max() < 0.7  # at rest before and after
+
+
+def test_fingers_open_and_close_later_where_the_palm_takes_all_of_the_time() -> None:
+    present, shape, wide = (np.tile([np.cos(a), 0.0, 0.0, np.sin(a)], (14, 1)) for a in (0.0, 1.0, -0.5))
+    made = fingers_at(np.array([0.0, 0.52, 0.58, 1.0]), present, shape, wide, 1.0)
+    assert made[[0, 2, 3]] == pytest.approx(np.array([present, wide, shape]))
+    assert -np.sin(0.5) + 1e-5 < made[1, 0, 3] < 0.0

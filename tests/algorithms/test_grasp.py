@@ -291,3 +291,21 @@ def test_what_a_walk_had_of_a_bent_waist_is_too_little_to_be_seen_when_the_walk_
     alone = blend(pose.rotations[None], pose.importance[None, :43], body.rotations)
     turn = np.linalg.norm(to_rotation_vector(multiply(conjugate(both[spine]), alone[spine])))
     assert 0.0 < np.degrees(turn) < 0.1
+
+
+@pytest.mark.parametrize("wish", [True, False])
+def test_arm_and_fingers_turn_no_faster_than_people_do_to_a_box_beside_them(wish: bool, tmp_path: Path) -> None:
+    """The palm turns by a right angle; where nobody asked for so few frames it takes more of them."""
+    size = (0.05, 0.06, 0.12)
+    _, grasped, _, _ = before_a_box("ken", "right", tmp_path, size)
+    assert grasped.object is not None
+    box, body = replace(grasped.object, properties={"size": list(size)}), Body("ken")
+    shown: list[list[Array]] = []
+    for algorithm, length in (("reach", 0), ("grasp", 30)):
+        pose = PoseRecord.of(body.rotations, body.root)
+        start = replace(grasped, object=box, pose=pose, frames=length, wish=wish or algorithm == "reach")
+        shown.append([body.rotations, *(one.rotations for one in body.do(algorithm, start))])
+    hand = np.array(shown[1])[:, [*range(INDEX["right_upper_arm"], INDEX["right_hand"] + 1), *fingers("right")]]
+    turned = 2.0 * np.degrees(np.arccos(np.clip(np.abs((hand[1:] * hand[:-1]).sum(axis=-1)), 0.0, 1.0)))
+    assert 3.0 < turned.max() < 6.0
+    assert len(turned) > 33 if wish else len(turned) == 30

@@ -93,3 +93,17 @@ def test_the_walks_of_a_workspace_are_known_before_one_is_asked_for(tmp_path: Pa
     ((entry, motion),) = Database(own).walks()
     assert entry.name == "walk"
     assert motion == tmp_path / "own/objectdb/floor/walk.npz"
+
+
+def test_frames_that_nobody_asked_for_are_a_wish_where_the_algorithm_stretches(
+    ken: MainProcess, workspace: Path
+) -> None:
+    usual = told(ken, "do a step to b")
+    assert usual.frames > 0
+    assert not usual.wish
+    ask(workspace, "stretches = true")
+    start = told(ken, "do a step to b")
+    assert (start.frames, start.wish) == (usual.frames, True)
+    asked = told(ken, "do a step to b frames 33")
+    assert asked.frames == 33
+    assert not asked.wish

@@ -1,0 +1,56 @@
+"""The arm of a hand that closes on a thing while another motion carries the body on: its elbow stays out of things.
+
+The palm is where it is in the world, and the shoulder goes on over it: left to itself the elbow would hang down from
+there, into what the thing stands on. So the arm is solved anew from frame to frame, as on the way there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ahmss.algorithm.giving_way import Things
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply
+from ahmss.reaching.reacher import SIDES, Reacher, seat
+from ahmss.reaching.tracking import Tracking
+
+__all__ = ["closing_carried"]
+
+_ARM = 20.0  # its importance: of an arm that is high up even a little of a walk's, which hangs, is much
+_ROTATIONS, _IMPORTANCE, _TARGETS = slice(4, 176), slice(176, 220), slice(220, 260)  # of a row
+
+
+def closing_carried(task: HumanTask, side: str, rows: Array) -> Iterator[Array]:
+    """POSE rows (n, 260) of a hand that closes, one by one, the arm in each as the body then is carried."""
+    arm = _Arm(task, side)
+    links, row = Reacher.of(task.human, side).links, SIDES.index(side)
+    for one in rows:
+        made = one[None].copy()
+        palm = made[0, _TARGETS].reshape(5, 8)[row, :7]
+        made[0, _ROTATIONS].reshape(43, 4)[links] = arm.step(palm)
+        made[0, _IMPORTANCE][links] = _ARM
+        yield made
+
+
+class _Arm:
+    """One arm, from frame to frame, beginning as it is shown."""
+
+    def __init__(self, task: HumanTask, side: str) -> None:
+        self._task, self._reacher, self._things = task, Reacher.of(task.human, side), Things(task)
+        before, present = task.start, task.present
+        links = (self._reacher.arm.from_pose(one.rotations[self._reacher.links]) for one in (before, present))
+        then, now = links
+        self._tracking = Tracking(self._reacher, now, then)
+        self._seat = seat(task.human, before.rotations, before.root)
+
+    def step(self, palm: Array) -> Array:
+        """The arm's rows (3, 4) of the next pose, the palm as near to (7,) as it comes, the elbow out of things."""
+        task, present = self._task, self._task.present
+        place, turned = seat(task.human, present.rotations, present.root)
+        turn = multiply(conjugate(self._seat[1]), turned)
+        spine = 2.0 * place - self._seat[0], multiply(turned, turn)  # about as it will be carried by this frame
+        self._seat = place, turned
+        near = self._things.about(present.root, palm[:3])
+        self._tracking.step(palm, spine, 1.0, near)
+        return self._reacher.arm.into_pose(self._tracking.links)
