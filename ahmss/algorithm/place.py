@@ -62,7 +62,8 @@ class WorldObject:
     under 5 cm, over 1.9 m, or in the hands of the acting human. seen: of a human, the last frames in which it moved:
     the frame, x and y, and which way they faced, radians. moved: of a human, where sites that move by themselves are
     in the world, by their ids. way: of a human, where they mean to be, (6, 2) metres at the seconds of
-    `ahmss.motion.way.AHEAD` from now; None where they tell none, or algorithm.toml does not ask for `ways`.
+    `ahmss.motion.way.AHEAD` from now; None where they tell none, or algorithm.toml does not ask for `ways`. heard: the
+    last frame in which anything was told of a human.
     shape: of the target, where algorithm.toml asks for `shape` and it has one; read when first looked at.
     """
 
@@ -79,6 +80,7 @@ class WorldObject:
     seen: deque[tuple[float, float, float, float]] = field(default_factory=_sightings, repr=False, compare=False)
     moved: dict[int, Transform] = field(default_factory=dict[int, Transform], repr=False, compare=False)
     way: Array | None = field(default=None, repr=False, compare=False)
+    heard: int = field(default=0, repr=False, compare=False)
 
     @classmethod
     def of(cls, record: ObjectRecord) -> WorldObject:

@@ -248,7 +248,7 @@ class Task:
                 stands = (place[0], place[1], 2.0 * np.arctan2(rotation[3], rotation[0]))
                 if not target.seen or target.seen[-1][1:] != stands:  # else only where they will be is another
                     target.seen.append((k, *stands))
-                target.way = known(row[_MOVED:].copy()) if len(row) > _MOVED else None
+                target.way, target.heard = known(row[_MOVED:].copy()) if len(row) > _MOVED else None, int(k)
 
 
 class HumanTask(Task):

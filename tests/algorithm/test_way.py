@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import msgspec
 import numpy as np
 import pytest
 from algorithm_rig import ROOT, ROTATIONS
@@ -11,9 +12,10 @@ from algorithm_rig import ROOT, ROTATIONS
 from ahmss.algorithm.check import check_human
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.algorithm.performance import Performance, frames
+from ahmss.algorithm.stepping import walkers
 from ahmss.algorithm.task import HumanTask, ObjectTask
 from ahmss.errors import ProtocolError, ShapeError
-from ahmss.motion.way import UNKNOWN
+from ahmss.motion.way import AHEAD, UNKNOWN
 
 WAY = np.arange(12.0).reshape(6, 2) / 4.0 + 1.0
 OTHER = ObjectRecord(-4, "aiko", "human", (1.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0), way=[(9.0, 9.0)] * 6)
@@ -118,3 +120,30 @@ def test_a_frame_of_another_length_is_refused(make_start):
     with pytest.raises(ProtocolError, match="FRAME has 198 numbers; 190 and 8 for each that moved, 20 for each human,"):
         task.see(np.concatenate([np.zeros(190), [-4, 1, 2, 0, 1, 0, 0, 0]]))
     task.see(np.concatenate([np.zeros(190), [4, 1, 2, 0, 1, 0, 0, 0]]))
+
+
+def test_who_tells_that_they_go_and_is_heard_of_no_more_is_taken_to_stand(make_start):
+    start = make_start(world=[OTHER], ways=True)
+    task = HumanTask(start)
+    goes = np.array([1.0, 1.0]) + AHEAD[:, None] * [1.2, 0.0]
+    told = np.concatenate([[-4.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0], goes.ravel()])
+    ways = []
+    for k in range(1, 61):
+        own = task.start.row.copy()
+        own[0] = k
+        if k <= 20:
+            told[1] += 0.02
+            told[8::2] += 0.02
+        task.see(np.concatenate([own, told]) if k <= 20 else own)
+        ways.append(walkers(task)[0])
+    assert all(other.way is not None for other in ways[:30])
+    assert all(other.way is None and other.stays for other in ways[45:])
+    np.testing.assert_allclose(ways[-1].place, [1.4, 1.0])
+
+
+def test_who_tells_that_they_stay_is_believed_though_nothing_moves(make_start):
+    task = HumanTask(make_start(world=[msgspec.structs.replace(OTHER, way=[(1.0, 1.0)] * 6)], ways=True))
+    row = task.start.row.copy()
+    row[0] = 400
+    task.see(row)
+    assert walkers(task)[0].way is not None
