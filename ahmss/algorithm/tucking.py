@@ -33,12 +33,14 @@ _BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing 
 _SEEN = 40  # frames that are looked ahead
 _LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
+_COMES, _MOVES, _STRAY = 60, 0.02, 0.1  # frames, radians, radians: what sets out from elsewhere comes, and how straight
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _RESTS = 1e-6  # by so little the arms of who stands go on: they have come to where they stay
 _NONE = 1e-4  # so little an arm is not drawn in any more
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
 _STATURE = 1.72
+_NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 class Tucking:
@@ -50,7 +52,8 @@ class Tucking:
 
     def __init__(self, task: HumanTask, first: int = _FIRST, but: str = "") -> None:
         self._first = first
-        self._task, self._given = task, np.zeros((0, 4))
+        self._task = task
+        self._given = self._first_given = np.zeros((0, 4))
         self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
         self._sides = [side for side in _SIDES if side not in task.busy and side != but]
         self._prisms = [prism for prism in prisms_of(task) if not (but and prism.sought)]
@@ -68,12 +71,12 @@ class Tucking:
         """The arms that are drawn in as one sets out, as one came there: let down at once they would be in things."""
         if not len(self._pose):
             return []
-        off = np.linalg.norm(to_rotation_vector(multiply(conjugate(self._pose), self._task.start.rotations)), axis=-1)
+        off = _angles(self._pose, self._task.start.rotations)
         return [side for side in self._sides if max(off[INDEX[f"{side}_{link}"]] for link in _ARM) < _OTHERS]
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
-        others = self._others()
+        others = self._others(self._frames)
         begun, self._frames = self._frames, self._frames + len(rows)
         given, last = self._last
         stands = np.array_equal(rows, given)  # who waits gives one row again and again
@@ -81,6 +84,8 @@ class Tucking:
             return last.copy()
         made = self._made(rows, others, begun)
         self._rests = stands and begun >= self._first and bool(np.abs(made - last).max() < _RESTS)
+        if not len(self._given):
+            self._first_given = made[0, 4:176].reshape(43, 4).copy()
         self._given, self._last = made[-1, 4:176].reshape(43, 4).copy(), (rows.copy(), made.copy())
         return made
 
@@ -94,27 +99,35 @@ class Tucking:
         made, out = rows.copy(), rotations.copy()
         places, turned = forward(rotations, root, self._skeleton.offsets)
         for side in self._sides:
-            if side in others:
-                self._level[side][:] = 0.0
+            if side in others:  # let go softly: at once the hand would jump where the arm is its own after all
+                share = np.array([self._comes_to(side, 0.0) for _ in rows])
                 self._hanging[side].forget()
-                continue
-            gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
-            share = np.array(self._levels(side, gap, begun))
+            else:
+                gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
+                share = np.array(self._levels(side, gap, begun))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
             end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
             out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
-            share = np.maximum(share, self._hanging[side].over(near, out, root))
+            if side not in others:
+                share = np.maximum(share, self._hanging[side].over(near, out, root))
             made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
         made[:, 4:176] = out.reshape(-1, 172)
         return made
 
-    def _others(self) -> list[str]:
-        """The arms that another motion has: they are elsewhere than where the last piece has left them."""
+    def _others(self, begun: int) -> list[str]:
+        """The arms that another motion has: they are not where the last piece has left them, and do not come.
+
+        Who sets out with an arm raised takes a moment to let it down to where the walk has it.
+        """
         if not len(self._given):
             return []
-        turn = to_rotation_vector(multiply(conjugate(self._given), self._task.present.rotations))
-        off = np.linalg.norm(turn, axis=-1)
-        return [side for side in _SIDES if max(off[INDEX[f"{side}_{link}"]] for link in _ARM) > _OTHERS]
+        start, present = self._task.start.rotations, self._task.present.rotations
+        first, now = multiply(conjugate(self._first_given), start), multiply(conjugate(self._given), present)
+        off = _angles(_NO_TURN, now)
+        stray = off + _angles(first, now) - _angles(_NO_TURN, first)  # of what is left of how far off it was
+        comes = (_angles(start, present) > _MOVES) & (stray < _STRAY) & (begun < _COMES)
+        elsewhere = (off > _OTHERS) & ~comes
+        return [side for side in _SIDES if any(elsewhere[INDEX[f"{side}_{link}"]] for link in _ARM)]
 
     def _levels(self, side: str, gap: Array, begun: int) -> list[float]:
         """How far the arm is drawn in at each frame, 0 to 1, by how far its hand, hanging, is from things (n).
@@ -126,12 +139,21 @@ class Tucking:
             coming = float(gap[k : k + _SEEN].min())
             enough = _BESIDE if begun + k < self._first else _ENOUGH
             self._wanted[side] = coming < (enough if self._wanted[side] else _LEAST)
-            level, wanted = self._level[side], float(self._wanted[side])
-            for i in range(len(level)):
-                level[i] += self._rate * (wanted - level[i])
-                wanted = float(level[i])
-            levels.append(wanted)
+            levels.append(self._comes_to(side, float(self._wanted[side])))
         return levels
+
+    def _comes_to(self, side: str, wanted: float) -> float:
+        """How far the arm is drawn in a frame later, softly on its way to what is wanted."""
+        level = self._level[side]
+        for i in range(len(level)):
+            level[i] += self._rate * (wanted - level[i])
+            wanted = float(level[i])
+        return wanted
+
+
+def _angles(a: Array, b: Array) -> Array:
+    """How far (43,) joints turn from one pose (43, 4) to another, radians."""
+    return np.linalg.norm(to_rotation_vector(multiply(conjugate(a), b)), axis=-1)
 
 
 def _points(skeleton: Skeleton, places: Array, turned: Array, side: str) -> Array:

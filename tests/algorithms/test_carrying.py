@@ -6,10 +6,12 @@ import itertools
 
 import msgspec
 import numpy as np
+import pytest
 
 from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.algorithm.tucking import Tucking
+from ahmss.body.inertialisation import Inertialiser
 from ahmss.body.inverse import grips, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
@@ -110,6 +112,45 @@ def test_who_sets_out_with_a_hand_drawn_in_beside_a_counter_keeps_it_so_until_th
     before = palms(task.start.row[None])[0, 0]
     assert np.abs(right[:40] - before).max() < 0.03
     assert right[-1, 2] < before[2] - 0.2  # and hangs again
+
+
+def set_out(*, held: bool) -> np.ndarray:
+    """Rows (160, 260) as drawn in, in pieces, of one who sets out beside the sink with the right arm raised ahead.
+
+    held: by another motion, which keeps it there; else it is let down, as a body does that has a new source.
+    """
+    task, rows = stood(np.array([2.86, 0.25, 0.0]))
+    rows = np.repeat(rows[:1], 160, axis=0)
+    row, arm = task.start.row.copy(), 4 + 4 * INDEX["right_upper_arm"]
+    row[arm : arm + 4] = multiply(from_axis_angle(np.array([0.0, 1.0, 0.0]), -1.5), row[arm : arm + 4])
+    task.start = task.present = HumanFrame(row)
+    tucking, smooth, made = Tucking(task), Inertialiser(60.0), list[np.ndarray]()
+    smooth.place(task.start.rotations, task.start.root)
+    for begin, end in itertools.pairwise((0, 7, 33, 60, 110, 160)):
+        for piece in tucking.over(rows[begin:end]):
+            given = piece[4:176].reshape(43, 4)
+            shown, root = smooth.step(given, piece[1:4], np.full(43, not made), False)
+            smooth.settle(shown, root)
+            made.append(piece)
+            if not held:
+                task.present = HumanFrame(np.concatenate([piece[:4], shown.ravel(), piece[176:190]]))
+    return np.array(made)
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_an_arm_that_was_raised_as_one_sets_out_is_drawn_in_where_no_other_motion_has_it(held: bool) -> None:
+    made = set_out(held=held)
+    turns = made[:, 4:176].reshape(-1, 43, 4)
+    step = np.linalg.norm(to_rotation_vector(multiply(conjugate(turns[:-1]), turns[1:])), axis=-1)
+    assert np.degrees(step.max()) < 6.0
+    right = INDEX["right_lower_arm"]
+    drawn_in = made[:, 176 + right] - made[0, 176 + right]
+    if held:
+        assert drawn_in[-1] < 0.01
+        assert drawn_in.max() < 0.7
+    else:
+        assert drawn_in[20:].min() > 1.4
+        assert palms(made)[-1, 0, 2] > palms(made)[0, 0, 2] + 0.2
 
 
 def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_alone() -> None:
