@@ -15,7 +15,7 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 
-__all__ = ["HOMES", "Key", "Stroke", "keys_of", "strokes_of"]
+__all__ = ["BACK", "CLICK", "HOMES", "Key", "Stroke", "clicks", "keys_of", "pushed", "strokes_of"]
 
 HOMES = {
     "left_little": "A", "left_ring": "S", "left_middle": "D", "left_index": "F",
@@ -23,6 +23,10 @@ HOMES = {
 }  # fmt: skip
 """What the key writes over which a finger rests."""
 
+CLICK, BACK = 0.9, 0.5
+"""Of the travel of a key: where it writes, and from where it can again."""
+
+DEEPEST = 0.02  # metres under the tops from which on a finger is somewhere else
 OTHER_HAND, SAME_HAND, SAME_FINGER = 0.165, 0.195, 0.23  # seconds from a stroke to the next
 VARIES, LEAST, MOST = 0.012, 0.15, 0.25  # seconds
 FAR = 0.04  # seconds more for a key two rows or more from the one before by the same hand
@@ -68,6 +72,33 @@ def keys_of(properties: Mapping[str, Any], name: str) -> dict[str, Key]:
             f"{name} has no keys to rest the fingers on: its property `keys` lacks {' '.join(missing)}"
         )
     return keys
+
+
+def pushed(pads: Array, keys: Mapping[str, Key], travel: float) -> dict[str, Array]:
+    """How deep (F,) keys are pushed at each frame, of their travel, by name; those that nothing pushes are left out.
+
+    pads: (F, n, 3) of fingers, in the frame of the keys' tops, metres.
+    """
+    share = np.clip(-pads[..., 2] / travel, 0.0, 1.0) * (pads[..., 2] > -DEEPEST)
+    found: dict[str, Array] = {}
+    for name, key in keys.items():
+        over = (np.abs(pads[..., :2] - key.at) <= 0.5 * key.size).all(axis=-1)
+        depth = (share * over).max(axis=-1)
+        if depth.any():
+            found[name] = depth
+    return found
+
+
+def clicks(pads: Array, keys: Mapping[str, Key], travel: float) -> list[tuple[int, str]]:
+    """When, in frames from 0, and which keys write under pads (F, n, 3): as `pushed`."""
+    found: list[tuple[int, str]] = []
+    for name, depth in pushed(pads, keys, travel).items():
+        down = False
+        for frame, share in enumerate(depth.tolist()):
+            if share >= CLICK and not down:
+                found.append((frame, name))
+            down = share > BACK if down else share >= CLICK
+    return sorted(found)
 
 
 def strokes_of(text: str, keys: Mapping[str, Key], random: np.random.Generator, begins: float) -> list[Stroke]:

@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.controls import before, gone_to
-from ahmss.algorithm.keystrokes import Stroke, keys_of, strokes_of
+from ahmss.algorithm.controls import before, front_of, gone_to
+from ahmss.algorithm.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
 from ahmss.algorithm.reaching import Looking, prisms_of, refuse_far, tell_missed
-from ahmss.algorithm.stepping import walk_library
+from ahmss.algorithm.stepping import ground_of, walk_library
 from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import multiply, rotate
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import FINGERS
 from ahmss.motion.easing import minimum_jerk
@@ -30,15 +30,21 @@ from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.standing import Standing
+from ahmss.reaching.steps import Steps
+from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing as Stance
 from ahmss.walking.journey import footing
+from ahmss.walking.obstacles import Obstacles
 
 ABOVE = 0.04  # metres over the keys to which the hands come, and to which they rise at the end
 SINKS, BEGINS, ENDS, RISES = 0.3, 0.25, 0.3, 0.3  # seconds
 FIRST = 12  # frames in which the motion is worked out
 AT_ONCE = 12  # frames of fingers
 AWAY, NEAR, FACING = 0.36, 0.1, np.radians(15.0)  # metres from the keys at which one stands; near enough there, facing
-CLICK, ALL_IN = 0.9, 0.005  # of the travel, where it writes; seconds before a stroke's time it is in already
+ALL_IN = 0.005  # seconds before a stroke's time it is in already
+CLEAR, FARTHEST = 0.26, 0.25  # metres: what is nearer is in the way; so far aside of the keyboard nobody types
+IN_TIME, JUMPS = 0.08, np.radians(40.0)  # seconds about its time in which a key writes; a finger's turn in one frame
+MANY = 240  # frames that are worked out before a pause
 TRAVEL = 0.0035  # metres of a key, where the object's properties do not say
 
 
@@ -62,6 +68,11 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
     rows = task.block(made.rotations, made.root, made.importance, made.targets)
     first = len(rows) - len(typing.time)
     _tell_missed_keys(task, typing.missed(task, made, first), len({stroke.key.name for stroke in strokes}))
+    spoilt = yield from gaze.until(gaze.frames, typing.spoilt(task, made, first, keys))
+    if spoilt:
+        sits = Standing.of(task.human, task.start.rotations, task.start.root) is None
+        where = ("" if sits else _in_the_way(task)) or "come nearer to the middle of the keyboard"
+        raise AlgorithmError(f"it can't be typed from here, {spoilt}; {where}")
     yield rows[:first]
     for begin in range(first, len(rows), AT_ONCE):  # worked out while they are shown
         yield typing.fingers(task, made, first, slice(begin, begin + AT_ONCE))
@@ -110,6 +121,36 @@ class Typing:
                     found[name] = max(found.get(name, 0.0), float(np.linalg.norm(off)))
         return found
 
+    def spoilt(self, task: HumanTask, made: Performed, first: int, keys: Mapping[str, Key]) -> Steps[str]:
+        """What of the typing is not as it should be, in words: keys beside the text, fingers that jump; or ""."""
+        assert task.site is not None
+        assert task.object is not None
+        back, into = task.site.inverse(), -(_up(task.site))
+        own, pads = [*fingers("right"), *fingers("left")], list[Array]()
+        turned = made.rotations[first - 1 : first, own]
+        fastest = 0.0
+        for begin in range(first, len(made.rotations), MANY):
+            some = slice(begin, begin + MANY)
+            rows, shown = self.fingers(task, made, first, some), _shown(task, made, some)
+            shapes = rows[:, 4:176].reshape(-1, 43, 4)
+            both = [
+                hand.tips.pads(shapes[:, list(fingers(side))], shown[:, row], into)
+                for row, (side, hand) in enumerate(self.hands.items())
+            ]
+            pads.append(back.apply(np.concatenate(both, axis=1)))
+            turned = np.concatenate([turned[-1:], shapes[:, own]])
+            turns = to_rotation_vector(multiply(conjugate(turned[:-1]), turned[1:]))
+            fastest = max(fastest, float(np.linalg.norm(turns, axis=-1).max()))
+            yield
+        wrong = list[str]()
+        for frame, name in clicks(np.concatenate(pads), keys, float(task.object.properties.get("travel", TRAVEL))):
+            times = np.array([stroke.time for stroke in self.strokes if stroke.key.name == name])
+            if not (np.abs(times - self.time[frame]) < IN_TIME).any():
+                wrong.append(name)
+        if wrong:
+            return f"as fingers would press {', '.join(dict.fromkeys(wrong))} beside the text"
+        return f"as fingers would jump by {np.degrees(fastest):.0f} degrees" if fastest > JUMPS else ""
+
 
 def _shown(task: HumanTask, made: Performed, some: slice) -> Array:
     """The palms (n, 2, 7) in some of the frames, as the arms come to them."""
@@ -121,16 +162,46 @@ def _stood(task: HumanTask) -> Generator[Array, None, tuple[HumanTask, Looking]]
     """The task from where one types, as it is or after steps (n, 260) to before the keys; and the gaze on its way.
 
     Who sits, or has no walk library, stays.
+
+    Raises:
+        AlgorithmError: what stands there leaves no room before the keys.
     """
     gaze = Looking(task, task.site.place if task.site is not None else task.start.root)
     if task.library is None or Standing.of(task.human, task.start.rotations, task.start.root) is None:
         return task, gaze
     stance = Stance.of(task.human, walk_library(task))
+    assert task.object is not None
     stand, now = before(task, AWAY), footing(task.human, task.start.rotations, task.start.root, stance)
     aside = abs(((stand.facing or 0.0) - now.heading + np.pi) % (2.0 * np.pi) - np.pi)
-    if float(np.linalg.norm(stand.place - now.place)) < NEAR and aside < FACING:
+    best = task.object.place[:2] + AWAY * front_of(task.object.frame)
+    if min(np.linalg.norm(place - now.place) for place in (stand.place, best)) < NEAR and aside < FACING:
         return task, gaze
+    if (off := _aside(task, stand)) > FARTHEST and (way := _in_the_way(task)):
+        raise AlgorithmError(f"one would stand {off:.2f} m aside of the keyboard's middle; {way}")
     return (yield from gone_to(task, stand, gaze))
+
+
+def _aside(task: HumanTask, stand: Goal) -> float:
+    """How far aside of the middle of the keys one would stand, metres."""
+    assert task.object is not None
+    front = front_of(task.object.frame)
+    off = stand.place - task.object.place[:2]
+    return abs(float(front[0] * off[1] - front[1] * off[0]))
+
+
+def _in_the_way(task: HumanTask) -> str:
+    """What stands where one would stand to type, and what to do, in words; "" where nothing does."""
+    assert task.object is not None
+    ground, at = ground_of(task), task.object.place[:2]
+    if task.library is None or not ground.outlines:
+        return ""
+    around = Obstacles.of(ground.outlines, 0.0, names=ground.names)
+    gap = np.where(around.clearance(at) > 0.0, around.clearance(at + AWAY * front_of(task.object.frame)), np.inf)
+    i = int(gap.argmin())
+    if gap[i] >= CLEAR:
+        return ""
+    sit = any(thing.name == around.names[i] and "seat" in thing.sites for thing in task.world.values())
+    return f"{around.names[i]} stands before it: move that away{', or sit on it,' if sit else ''} first"
 
 
 def _tell_missed_keys(task: HumanTask, missed: Mapping[str, float], count: int) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.keystrokes import Key, keys_of
+from ahmss.algorithm.keystrokes import BACK, CLICK, Key, keys_of, pushed
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
@@ -22,8 +22,6 @@ from ahmss.grasping.fingertips import pad
 
 TIPS = [INDEX[f"{side}_{finger}_distal"] for side in ("right", "left")
         for finger in ("thumb", "index", "middle", "ring", "little")]  # fmt: skip
-CLICK, BACK = 0.9, 0.5  # of the travel: where it writes, and from where it can again
-DEEPEST = 0.02  # metres under the tops from which on a finger is somewhere else
 MOST = 200  # characters that are kept, the last ones
 
 
@@ -59,14 +57,7 @@ def _pushed(task: ObjectTask, tops: Transform, keys: Mapping[str, Key], travel: 
     radii: Array = task.human.radii[TIPS][:, None]
     ends = places[TIPS] + rotate(turned[TIPS], task.human.tips[TIPS])
     pads = frame.inverse().apply(np.array([pad(*one, into) for one in zip(ends, along, radii, strict=True)]))
-    found: dict[str, float] = {}
-    for x, y, z in pads:
-        if not -DEEPEST < z < 0.0:
-            continue
-        for name, key in keys.items():
-            if (np.abs(np.array([x, y]) - key.at) <= 0.5 * key.size).all():
-                found[name] = max(found.get(name, 0.0), float(np.clip(-z / travel, 0.0, 1.0)))
-    return found
+    return {name: float(depth[0]) for name, depth in pushed(pads[None], keys, travel).items()}
 
 
 def _written(key: Key, properties: Mapping[str, Any], states: Mapping[str, Any]) -> dict[str, Any]:

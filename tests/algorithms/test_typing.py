@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -18,7 +19,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.grasping.fingertips import pad
 
 from .devices import SIDES, at, before, begun, device, mover, posed
-from .scene import WORKSPACE, Body, program
+from .scene import WORKSPACE, Body, program, record
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 KEYS = keys_of(WORKSPACE.objects.get("keyboard").properties, "keyboard")
@@ -212,3 +213,30 @@ def test_the_keyboard_tilted_is_typed_on_as_well() -> None:
     tilt = Transform(np.zeros(3), np.array([np.cos(0.06), 0.0, np.sin(0.06), 0.0]))
     desk.frame = desk.frame.then(tilt)
     assert [states["text"] for states in desk.told(*desk.typed("HI")) if "text" in states][-1] == "HI"
+
+
+@pytest.mark.parametrize("aside", [0.36, -0.36])
+def test_from_far_aside_nobody_types_other_keys_than_those_of_the_text(aside: float) -> None:
+    desk = Desk(0, "ken", height=0.77)
+    desk.body = before("ken", desk.frame, 0.36, aside, 0.0)
+    with pytest.raises(AlgorithmError, match=r"can't be typed from here, as fingers would press (\w+, )+.* nearer"):
+        desk.typed("PUMP 3 ON")
+
+
+def test_fingers_that_would_jump_are_refused() -> None:
+    desk = Desk(0, "ken", height=0.77)
+    desk.body = before("ken", desk.frame, 0.36, 0.3, 0.0)
+    with pytest.raises(AlgorithmError, match=r"can't be typed from here, as fingers would jump by \d\d degrees; "):
+        desk.typed("PUMP 3 ON")
+
+
+def test_a_thing_where_one_would_stand_is_named_before_a_step_is_taken() -> None:
+    desk = Desk(6, "ken", away=1.3)
+    corners = 0.45 * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    place = desk.frame.apply(np.array([0.76, 0.0, 0.0]))
+    trunk = record("room/sink", Transform(np.append(place[:2], 0.0), np.array([1.0, 0.0, 0.0, 0.0])))
+    trunk = msgspec.structs.replace(trunk, id=12, name="trunk", footprint=[[tuple(at) for at in corners.tolist()]])
+    motion = str(WORKSPACE.objects.get("latching_button").affordances["press"].motion)
+    with pytest.raises(AlgorithmError, match=r"^one would stand 0\.\d\d m aside of .*; trunk stands before it: move"):
+        desk.typed("HELLO", motion=motion, world=[trunk])
+    assert (desk.body.root[:2] == Desk(6, "ken", away=1.3).body.root[:2]).all()
