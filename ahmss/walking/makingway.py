@@ -19,9 +19,9 @@ from ahmss.walking.walkers import LOOKED, MOVING, Walker
 
 __all__ = ["MET", "SAFE", "Option", "held_up", "least", "meets", "met", "options", "yields"]
 
-MET = 0.64  # metres apart at which one makes way
-SAFE = 0.6  # metres apart at least from where others tell that they will be, if it can be had
-_APART = 0.7  # metres that two walkers' middles shall keep apart where one goes round the other
+MET = 0.72  # metres apart at which one makes way
+SAFE = 0.68  # metres apart at least from where others tell that they will be, if it can be had
+_APART = 0.78  # metres that two walkers' middles shall keep apart where one goes round the other
 _LATER = 0.4  # seconds: the other may be met so much sooner or later
 _ASIDE = 0.1  # metres by which the other is taken to be more to the side on which it is not passed
 _PASSING = 1.5  # metres: who gets no nearer is not gone round
@@ -31,8 +31,7 @@ _CHANGES = 1.2  # what it costs to pass on another side than one has begun to
 _HARD, _SOFT = 1.0, 0.6  # what a stop in less than so many metres costs more, a metre
 _RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
 _LIKELY = 0.8  # how much it counts that who walks may stop
-_SURE, _UNSURE = (0.8, 2.4), (1.0, 0.4)  # how much it counts (the latter) after so many seconds that who walks goes on
-_STOOD = 0.4  # how much it counts that who goes on comes near when one stands oneself: they can go round
+_SURE, _UNSURE = (0.8, 2.4), (1.0, 0.5)  # how much it counts (the latter) after so many seconds that who walks goes on
 _SWAY = 0.09  # metres that hips go to a side before a step: one comes no nearer by it
 _HARDLY = 0.03  # metres that one who tells where they go is to come nearer to count
 _CLOSE, _TURNS, _TOUCHING = 0.78, 0.2, 0.42  # metres: who is so near may come so much nearer in turning, to leave
@@ -218,11 +217,10 @@ def _ahead(course: Course, speed: float, *, stops: bool = False) -> Array:
 def _risk(own: Array, others: Sequence[Walker]) -> float:
     """What it costs to be at `own` (n, 2) at the times LOOKED.
 
-    Who tells no way goes on or stops, whichever costs more; of those who go on it counts less later, when both can
-    still do something, and when one stands oneself.
+    Who tells no way goes on or stops, whichever costs more, and makes no way oneself: that they go on counts less
+    later.
     """
-    speed = np.linalg.norm(np.gradient(own, LOOKED[1], axis=0), axis=-1)
-    trust = np.interp(_times(own), _SURE, _UNSURE) * np.clip(speed, _STOOD, 1.0)
+    trust = np.interp(_times(own), _SURE, _UNSURE)
     risk = 0.0
     for other in others:
         if other.way is not None:

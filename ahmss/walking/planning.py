@@ -23,12 +23,13 @@ from ahmss.walking.walkers import LOOKED, Walker
 __all__ = ["IMPATIENT", "RADIUS", "Circle", "Planner", "ahead", "beginning"]
 
 RADIUS = 0.27  # metres that a walker keeps from things
-IMPATIENT = 0.12  # metres: how much nearer to others one goes in the end, who has waited
-_APART = 0.75  # metres that two walkers' middles shall keep apart
+IMPATIENT = 0.2  # metres: how much nearer to others one goes in the end, who has waited
+_APART = 0.8  # metres that two walkers' middles shall keep apart
 _LEAVES, _TOUCHING = 0.03, 0.45  # metres nearer that who stands beside somebody may come on leaving; never nearer
 _NEAR = 2.3  # metres: whom one goes round from the beginning
 _STOPS_IN = 1.4  # seconds from the first step at which one may do otherwise until one stands
 _STANDS = 0.05  # metres in the last 0.4 s of a way: who tells that will stand there
+_WAITS = 1.5  # metres from one's way: who has waited long there may wait for oneself
 _ASIDE = 0.85  # metres that one steps aside for who wants to be where one is
 _BESIDE = 1.0  # metres: out of who stands so near one keeps as out of things, in setting out
 _THICK, _THIN, _OWN = 0.34, 0.1, 0.27  # metres: how thick they are at the most, at the least; half of one's own width
@@ -109,14 +110,20 @@ class Planner:
                 return found
         return None
 
-    def aside(self, now: Footing, others: Sequence[Walker]) -> Journey | None:
+    def aside(self, now: Footing, others: Sequence[Walker], *, tired: bool = False) -> Journey | None:
         """A step out of the way of who waits at the goal and goes first; None: there is nobody, or no room.
 
         To the right if there is room, else to the left.
+
+        Args:
+            now: where one stands. others: who is about.
+            tired: whether one has waited long: then also for who waits beside the goal, or the way to it.
         """
+        line = shapely.LineString(np.stack([now.place, self.goal]))
         for other in others:
             way = other.place - now.place
             there = float(np.linalg.norm(other.place - self.goal)) < _APART
+            there |= tired and other.stays and shapely.distance(line, shapely.Point(other.place)) < _WAITS
             if not there or other.way is None or not other.precedes(now.place):
                 continue
             right = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
@@ -169,7 +176,7 @@ class Planner:
 
     def taken(self, others: Sequence[Walker]) -> bool:
         """Whether somebody who goes nowhere stands so near to the goal that one can't stand there."""
-        apart = _APART - IMPATIENT - 0.1
+        apart = _APART - IMPATIENT - 0.07
         return any(o.way is None and o.stays and np.linalg.norm(o.place - self.goal) < apart for o in others)
 
     def _journey(self, now: Footing, course: Course, facing: float, frames: int = 0) -> Journey:

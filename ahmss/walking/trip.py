@@ -32,6 +32,7 @@ _WINDOW = 7  # frames that a changed way is told before it is gone: twice as lon
 _AGAIN = 12  # frames after which who waits looks again
 _YIELDS = 1.0, 1.0, 2.5  # seconds after which one steps aside for who wants to be where one is, and again
 _TIRED = 6.0  # seconds after which one waits no more for who does hardly move
+_STUCK = 4.0  # seconds after which one steps aside also for who may wait for oneself
 _STILL = 2.0  # seconds after which one goes as near as ever to who all stand
 _KEEPS = 2.5  # seconds for which one keeps to the side on which one has begun to pass
 _PATIENCE, _TAKEN = 15.0, 6.0  # seconds that a walker waits for others to go; for who just stands at the goal
@@ -192,7 +193,7 @@ class Trip:
             if again == 0:
                 again = _AGAIN
                 if self._asides < len(_YIELDS) and stood >= _YIELDS[self._asides] * RATE:
-                    away = self.planner.aside(now, self.others())
+                    away = self.planner.aside(now, self.others(), tired=self._waited > _STUCK * RATE)
                     if away is not None:
                         made, away = yield from self._set_in_motion(away)
                         if made:

@@ -62,7 +62,8 @@ def way_out(
 ) -> WayOut | None:
     """The walk from a seam on that makes way best; None: going on as it is is best.
 
-    Of what comes too near to where others tell that they will be, nothing is taken if there is anything else.
+    Of what comes too near to where others tell that they will be, or will be if they go on as they do, nothing is taken
+    if there is anything else.
 
     Args:
         planner: plans courses. going: the walk as it is. pace: of it.
@@ -97,20 +98,20 @@ def way_out(
             new = onward(planner.skeleton, library, standing, stride, option.course, facing, rate, option.slow)
         return WayOut(new, option.stops, rate, option.side)
 
-    told = [other for other in others if other.way is not None]
+    ways = [way for other in others for way in (other, *other.may_walk())]
     own, tried = ahead(going, going.seams[seam]), 0
     best: WayOut | None = None
     nearest = -np.inf
     for option in options(own, rest, stops, speed, others, around, side):
         if option.course is rest and option.slow == 1.0:
-            found, near = None, least(own, told)
+            found, near = None, least(own, ways)
         else:
             if tried == _TRIED or (option.course is not rest and _touches(option.course, planner.things)):
                 continue
             found, tried = made(option), tried + 1
             if not _natural(found.going, standing.height):
                 continue
-            near = least(ahead(found.going, 0), told)
+            near = least(ahead(found.going, 0), ways)
         if near > nearest:
             best, nearest = found, near
         if near > SAFE:

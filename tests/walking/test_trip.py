@@ -248,6 +248,7 @@ def both(first: tuple[float, float], second: tuple[float, float], goals: Sequenc
 def together(
     starts: Sequence[tuple[float, float]], goals: Sequence[tuple[float, float]], *,
     names: Sequence[str] = ("ken",), facing: Sequence[float] = (), later: int = 0, late: int = 1,
+    ground: Ground | None = None,
 ) -> list[Array]:  # fmt: skip
     """Trips at once, each seeing the others' frames, and what they tell with them, so many frames late; the hips'
     ways (F, 3) of all.
@@ -277,7 +278,7 @@ def together(
         roots.append([root])
         faced.append([yaw(rotations[0])])
         told.append([None])
-        one = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, seen(i))
+        one = Trip(body.skeleton, m.library(), ground or Ground(), np.array(goal), None, 0, seen(i))
         walks.append(frames(one, rotations, root))
     going, begun = set(range(len(starts))), 0
     while going:
@@ -539,3 +540,50 @@ def pieces(goal: tuple[float, float], facing: float | None, others: Others = lam
     for piece in one.pieces(*body.at((0.0, 0.0), 0.0)):
         made += len(piece.root)
         yield piece
+
+
+def test_of_two_who_wait_for_each_other_one_steps_aside() -> None:
+    """One stands where the other is to stand, and waits for them, as they stand beside the gap that she has to take."""
+    around = Ground(
+        [box(0.77, 0.2, 0.9, 1.2), box(2.13, 0.2, 0.45, 0.45), box(2.0, -0.52, 4.0, 0.06)], ["table", "chair", "wall"]
+    )
+    goals = ((-0.2, 0.0), (1.55, -0.2))
+    ways = together(((1.7, 0.9), (-0.3, 0.2)), goals, names=("ken", "aiko"), facing=(180.0, 0.0), ground=around)
+    for way, goal in zip(ways, goals, strict=True):
+        np.testing.assert_allclose(way[-1, :2], goal, atol=1e-3)
+    assert nearest([way[:, :2] for way in ways]) > 0.62
+
+
+def strolls(begin: float) -> Others:
+    """Somebody who tells nothing, and goes straight on from standing to standing, at up to 1.3 m/s."""
+
+    def at(seconds: float) -> Array:
+        share = np.clip((seconds - begin) / 4.6, 0.0, 1.0)
+        ahead = 0.35 * share**2 * (3.0 - 2.0 * share) + 0.65 * share
+        return np.array([-2.5 + 5.0 * ahead, 0.02 * np.sin(5.7 * seconds) * (0.0 < share < 1.0)])
+
+    def seen(now: float) -> Sequence[Walker]:
+        since = np.arange(max(now - 70.0 / RATE, 0.0), now + 1e-9, 1.0 / RATE)
+        return [Walker.of(since, np.array([at(moment) for moment in since]), "ken", np.zeros(len(since)))]
+
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "begin"),
+    [((-0.12, 2.29), (0.3, -2.38), 0.7), ((1.59, -1.65), (-1.61, 1.78), 0.7), ((2.16, -1.39), (-2.08, 1.2), 1.0)],
+)
+def test_who_crosses_and_tells_nothing_is_kept_clear_of(
+    start: tuple[float, float], goal: tuple[float, float], begin: float
+) -> None:
+    body, others, made = m.subject("aiko"), strolls(begin), 0
+    way = np.subtract(goal, start)
+    rotations, root = body.at(start, float(np.degrees(np.arctan2(way[1], way[0]))))
+    trip = Trip(body.skeleton, m.library(), Ground(), np.array(goal), None, 0, lambda: others(made / RATE))
+    apart: list[float] = []
+    for piece in trip.pieces(rotations, root):
+        for root in piece.root:
+            made += 1
+            apart.append(float(np.linalg.norm(root[:2] - others(made / RATE)[0].place)))
+    assert min(apart) > 0.6
+    np.testing.assert_allclose(root[:2], goal, atol=1e-3)
