@@ -198,10 +198,7 @@ def _in_the_way(task: HumanTask) -> str:
     around = Obstacles.of(ground.outlines, 0.0, names=ground.names)
     gap = np.where(around.clearance(at) > 0.0, around.clearance(at + AWAY * front_of(task.object.frame)), np.inf)
     i = int(gap.argmin())
-    if gap[i] >= CLEAR:
-        return ""
-    sit = any(thing.name == around.names[i] and "seat" in thing.sites for thing in task.world.values())
-    return f"{around.names[i]} stands before it: move that away{', or sit on it,' if sit else ''} first"
+    return f"{around.names[i]} stands before it: move that away first" if gap[i] < CLEAR else ""
 
 
 def _tell_missed_keys(task: HumanTask, missed: Mapping[str, float], count: int) -> None:
