@@ -11,7 +11,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 
-__all__ = ["AHEAD", "UNKNOWN", "WAY_WIDTH", "known", "staying"]
+__all__ = ["AHEAD", "UNKNOWN", "WAY_WIDTH", "known", "staying", "ways_of"]
 
 AHEAD: Array = np.array([0.4, 0.8, 1.2, 1.6, 2.0, 2.4])
 """Seconds from the frame that a way comes with."""
@@ -33,3 +33,11 @@ def known(numbers: Array) -> Array | None:
 def staying(place: Array) -> Array:
     """The way (6, 2) of who stays at a place (2,)."""
     return np.repeat(place[None], len(AHEAD), axis=0)
+
+
+def ways_of(level: Array, first: int, end: int, rate: float) -> Array:
+    """The ways (n, 6, 2) told with the frames from `first` to the one before `end`, of so many a second, by hips that
+    will be at `level` (F, 2), and stay at its end.
+    """
+    ahead = np.round(AHEAD * rate).astype(np.intp)
+    return level[np.minimum(np.arange(first, end)[:, None] + ahead, len(level) - 1)]

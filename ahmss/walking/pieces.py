@@ -9,7 +9,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.way import AHEAD
+from ahmss.motion.way import staying, ways_of
 from ahmss.walking.clearing import clearing
 from ahmss.walking.journey import Footing, Journey
 from ahmss.walking.leeway import Leeway
@@ -17,10 +17,8 @@ from ahmss.walking.library import RATE
 from ahmss.walking.shaping import Shaping
 
 __all__ = [
-    "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "standing_piece", "ways_of",
+    "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "standing_piece",
 ]  # fmt: skip
-
-_AHEAD = np.round(AHEAD * RATE).astype(np.intp)  # frames
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class Piece:
 def piece(going: Journey, first: int, last: int) -> Piece:
     """The frames after `first` up to `last`."""
     shaped = going.shaping.part(first + 1, last + 1)
-    ways = ways_of(going.shaping.level, first + 1, last + 1)
+    ways = ways_of(going.shaping.level, first + 1, last + 1, RATE)
     return Piece(shaped.rotations, shaped.root, shaped.ankles, shaped.feet, ways)
 
 
@@ -67,15 +65,10 @@ def repeated(stands: Piece, count: int) -> Piece:
     return Piece(*(np.repeat(part, count, axis=0) for part in parts))
 
 
-def ways_of(level: Array, first: int, end: int) -> Array:
-    """What is told (n, 6, 2) with the frames from `first` to the one before `end` by hips that will be at `level`."""
-    return level[np.minimum(np.arange(first, end)[:, None] + _AHEAD, len(level) - 1)]
-
-
 def standing_piece(going: Journey, end: int) -> Piece:
     """The frame in which a walk begins, where `end` is 0, or ends, where it is -1."""
     stands = piece(going, going.seams[end] - 1, going.seams[end])
-    return replace(stands, ways=np.repeat(stands.root[:, None, :2], len(_AHEAD), axis=1))
+    return replace(stands, ways=staying(stands.root[0, :2])[None])
 
 
 def footing_at(going: Journey, end: int) -> Footing:

@@ -15,13 +15,14 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
+from ahmss.motion.way import ways_of
 from ahmss.walking.clearing import held_arms
 from ahmss.walking.hesitating import back, last_moment
 from ahmss.walking.hindering import in_vain, waits
 from ahmss.walking.journey import SPOT, Footing, Journey, footing
 from ahmss.walking.library import RATE, Library
 from ahmss.walking.makingway import held_up, meets, yields
-from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, part, piece, repeated, standing_piece, ways_of
+from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, part, piece, repeated, standing_piece
 from ahmss.walking.planning import IMPATIENT, RADIUS, Planner, ahead, beginning
 from ahmss.walking.walkers import Walker
 from ahmss.walking.wayout import Pace, way_out
@@ -135,7 +136,7 @@ class Trip:
         ):
             return made, clearing.walk()
         rotations, root, ankles, feet = back(self.skeleton, going, made)
-        yield Piece(rotations, root, ankles, feet, ways_of(root[:, :2], 0, len(root)))
+        yield Piece(rotations, root, ankles, feet, ways_of(root[:, :2], 0, len(root), RATE))
         self._waited += 3 * made
         return 0, going
 
@@ -167,7 +168,7 @@ class Trip:
             if window:
                 if way is not None:
                     level = np.concatenate([going.shaping.level[: end + 1], way.going.shaping.level[1:]])
-                    step = replace(step, ways=ways_of(level, end - window + 1, end + 1))
+                    step = replace(step, ways=ways_of(level, end - window + 1, end + 1, RATE))
                 yield step
             if way is None or (window and yields(ahead(way.going, 0), ahead(going, end), self.others(), others)):
                 continue
@@ -227,7 +228,7 @@ class Trip:
             going: the walk. stands: the frame. others: as they will be then. window: how many frames.
         """
         level = np.concatenate([np.repeat(going.shaping.level[:1], window, axis=0), going.shaping.level])
-        yield replace(repeated(stands, window), ways=ways_of(level, 0, window))
+        yield replace(repeated(stands, window), ways=ways_of(level, 0, window, RATE))
         self._waited += window
         own = beginning(going, 0)
         return yields(own, _stays(own), self.others(), others)

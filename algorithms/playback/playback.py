@@ -17,6 +17,7 @@ from ahmss.body.inverse import grips
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.planting import feet
+from ahmss.motion.way import ways_of
 
 BEARING = 0.5  # contacts above this bear weight
 TOO_FAR = 0.35  # metres that a hand may be asked to go beside where the clip has it
@@ -38,12 +39,13 @@ def playback(task: HumanTask) -> Iterator[Array]:
 
 
 def _frames(task: HumanTask, clip: Clip) -> Array:
-    """All frames (F - 1, 260) of a clip but its first."""
+    """All frames (F - 1, 272) of a clip but its first, each with where the human will be, for those who walk there."""
     staged = stage(task, clip)
     targets = _targets(task, staged)
     _refuse_far(task, staged, targets)
     importance = staged.clip.importance * task.parameter("importance", 1.0)
-    return task.block(staged.rotations[1:], staged.root[1:], importance[1:], targets[1:])
+    ways = ways_of(staged.root[:, :2], 1, len(staged.root), task.rate)
+    return task.block(staged.rotations[1:], staged.root[1:], importance[1:], targets[1:], ways)
 
 
 def _targets(task: HumanTask, staged: Staged) -> Array:

@@ -32,13 +32,12 @@ from ahmss.grasping.hand import Hand
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.motion.planting import feet
-from ahmss.motion.way import staying
+from ahmss.motion.way import staying, ways_of
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.steps import Steps
 from ahmss.reaching.waist import bent_towards
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing, stands_at
-from ahmss.walking.pieces import ways_of
 from ahmss.walking.trip import Ground, Trip
 
 NEAR, MOST = (0.05, np.radians(5.0)), 2.0  # metres and radians: who stands so is not moved; metres that are stepped
@@ -140,7 +139,7 @@ class Taking:
         rows = _watching(rows, self.gaze.place, 1.0 - looks_up)
         yield
         made = paced(rows, [*range(43)[self.reacher.links], *self.links], stands)
-        made[:, 260:] = ways_of(made[:, 1:3], 0, len(made)).reshape(len(made), -1)
+        made[:, 260:] = ways_of(made[:, 1:3], 0, len(made), task.rate).reshape(len(made), -1)
         return made
 
     @property

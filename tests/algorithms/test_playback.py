@@ -59,6 +59,16 @@ def test_it_plays_where_the_human_is(tmp_path: Path) -> None:
     np.testing.assert_allclose(ways[1][:, :2], turned, atol=2e-3)
 
 
+def test_who_walks_there_is_told_where_the_clip_takes_the_human() -> None:
+    body = Body(x=-0.47)
+    shown = body.do("playback", body.start(DOOR, "play_open", frames=120))
+    roots, ways = np.array([pose.root[:2] for pose in shown]), np.array([pose.way for pose in shown[2:]])
+    assert np.linalg.norm(roots[0] - roots[60]) > 0.005  # it sways, at least
+    for seconds, told in zip((0.4, 1.2, 2.4), ways.transpose(1, 0, 2)[[0, 2, 5]], strict=True):
+        there = np.minimum(np.arange(2, len(roots)) + round(60 * seconds), len(roots) - 1)
+        np.testing.assert_allclose(told, roots[there], atol=1e-9)
+
+
 def test_a_hand_that_is_wanted_far_away_is_refused() -> None:
     body = Body(x=1.53, y=1.0, facing=90.0)
     with pytest.raises(AlgorithmError, match=r"right hand is wanted 2\.\d\d m from where the motion takes it; bring"):
