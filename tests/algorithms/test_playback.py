@@ -61,7 +61,7 @@ def test_it_plays_where_the_human_is(tmp_path: Path) -> None:
 
 def test_who_walks_there_is_told_where_the_clip_takes_the_human() -> None:
     body = Body(x=-0.47)
-    shown = body.do("playback", body.start(DOOR, "play_open", frames=120))
+    shown = list(frames(program("playback"), body.start(DOOR, "play_open", frames=120)))
     roots, ways = np.array([pose.root[:2] for pose in shown]), np.array([pose.way for pose in shown[2:]])
     assert np.linalg.norm(roots[0] - roots[60]) > 0.005  # it sways, at least
     for seconds, told in zip((0.4, 1.2, 2.4), ways.transpose(1, 0, 2)[[0, 2, 5]], strict=True):
