@@ -35,7 +35,7 @@ _CARES = {
     "lower_arm": 0.15, "hand": 0.15,
 }  # fmt: skip
 _MISSED = 3  # frames for which who moves may not have been seen
-_HUNG, _STAYS = 0.3, 0.1  # seconds for which nothing is heard of who tells that they go so many metres: they hang
+_HUNG = 0.3  # seconds for which nothing is heard of who goes: they hang
 _PATIENCE = 15.0  # seconds that one stands and waits for others to go
 _LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 
@@ -85,10 +85,9 @@ def walkers(task: HumanTask) -> Sequence[Walker]:
         k, faces = float(task.present.k), 2.0 * np.arctan2(human.rotation[3], human.rotation[0])
         seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
         track = np.array([*seen, (k, *human.place[:2], faces)] if not seen or seen[-1][0] < k else seen)
-        way = human.way
-        if way is not None and k - human.heard > _HUNG * task.rate and np.abs(way - human.place[:2]).max() > _STAYS:
-            way = None
-        found.append(Walker.of(track[:, 0] / task.rate, track[:, 1:3], human.name, track[:, 3], way))
+        walker = partial(Walker.of, track[:, 0] / task.rate, track[:, 1:3], human.name, track[:, 3])
+        told = walker(human.way)
+        found.append(told if told.stays or k - human.heard <= _HUNG * task.rate else walker())
     return found
 
 
