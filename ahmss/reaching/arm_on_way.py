@@ -40,7 +40,7 @@ _FOLDED = 0.45  # of the arm's length: nearer to its own shoulder a hand on its 
 _FARTHER = 0.12, 0.24  # metres ahead, by which the way's middle then keeps away from there
 _AIR = 0.002  # metres between the skin and things on the way
 _NEARLY, _FULLY = 0.94, 0.985  # of the arm's length, on the way: from where on it is spared, and what it never is
-_ENDS = 0.15  # of the time, at either end, in which it may be stretched as it is there
+_ENDS, _SOFTEST = 0.15, 10  # of the time, at either end, in which it may be stretched as it is there; frames at least
 _SOFT, _RAMP = 3.0, 8  # frames: over which a hand that meets a limit is slowed down, and at either end not
 
 
@@ -169,8 +169,9 @@ def _within_reach(reacher: Reacher, palms: Array, spine: tuple[Array, Array], ti
     stretched, span = distance / reacher.length, _FULLY - _NEARLY
     kept = _NEARLY + span * (1.0 - np.exp(-np.maximum(stretched - _NEARLY, 0.0) / span))
     back = np.maximum(stretched - kept, 0.0) * np.where(stretched > _NEARLY, 1.0, 0.0)
+    ends = max(_ENDS, _SOFTEST * float(np.diff(time, prepend=0.0).max()))
     # An elbow bends by the root of what is drawn in: squared, it begins as softly.
-    on_the_way = minimum_jerk(time / _ENDS) ** 2 * minimum_jerk((HAND_BY - time) / _ENDS)
+    on_the_way = minimum_jerk(time / ends) ** 2 * minimum_jerk((HAND_BY - time) / ends)
     out = palms.copy()
     out[:, :3] -= (back * on_the_way * reacher.length / np.maximum(distance, 1e-9))[:, None] * off
     return out

@@ -42,7 +42,11 @@ def drawn(seed: int) -> tuple[str, Array, float]:
     return ("ken", "aiko")[seed % 2], target, float(np.degrees(angle)) + random.uniform(-75.0, 75.0)
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 60))])
+BRISK = 43  # the arm is nearly straight at both ends of a way that takes 38 frames
+LONG = [pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 60) if seed != BRISK]
+
+
+@pytest.mark.parametrize("seed", [*range(4), BRISK, *LONG])
 def test_the_fingertip_is_where_the_eye_sees_the_target(seed: int) -> None:
     sight, finger, forearm, pop = aimed(*drawn(seed))
     assert sight < 1.0
