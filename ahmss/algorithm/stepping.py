@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 import shapely
 
+from ahmss.algorithm.castors import must_stand
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -35,7 +36,7 @@ _CARES = {
     "lower_arm": 0.15, "hand": 0.15,
 }  # fmt: skip
 _MISSED = 3  # frames for which who moves may not have been seen
-_HUNG = 0.3  # seconds for which nothing is heard of who goes: they hang
+_HUNG = 0.1  # seconds for which nothing is heard of who goes: they hang
 _PATIENCE = 15.0  # seconds that one stands and waits for others to go
 _LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 
@@ -57,7 +58,7 @@ def walk_library(task: HumanTask) -> Library:
     if task.library is None:
         raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
     if task.start.root[2] < _LOWEST * task.human.upright()[1][2]:
-        raise AlgorithmError("one must stand to walk; stand up first")
+        raise AlgorithmError(must_stand(task, "walk"))
     return task.library
 
 

@@ -1,18 +1,20 @@
 """Sitting down on a seat, and standing up from it.
 
 The feet stay. The trunk leans before the knees bend far, the hips go back and down with the weight over the feet until
-the seat bears them, and the trunk comes up; standing up is the same in reverse order, a little quicker. Who stands a
-step or two elsewhere goes to the object's site `stand` first.
+the seat bears them, and the trunk comes up; standing up is the same in reverse order, a little quicker. Who stands
+elsewhere goes to the object's site `stand` first. Who is to stand up from castors, and has no room, rolls back first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.castors import heading_of, must_stand, rolled_to, seat_of
+from ahmss.algorithm.controls import begun_at
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
 from ahmss.body.array import Array
@@ -28,11 +30,13 @@ from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
 from ahmss.walking.goals import Goal, facing_of
 from ahmss.walking.library import BODY
+from ahmss.walking.obstacles import Obstacles
 
 DOWN, UP = 2.1, 1.8  # seconds: sitting down takes 10 to 20 % longer than standing up
 # The hips' height over what bears them, of the hip joints' distance from the middle: who is wide there is thick there.
 OVER_SEAT = 1.415
-NEAR, MOST, ASIDE = (0.06, np.radians(6.0)), 1.2, 0.15  # metres and radians: who stands so is not moved; metres stepped
+NEAR, MOST, ASIDE = (0.06, np.radians(6.0)), 12.0, 0.15  # metres and radians: who stands so is not moved; metres walked
+BACK, ROOM = (0.0, *np.arange(0.1, 1.0, 0.1).tolist()), 0.32  # metres rolled back to stand up; that are free then
 TAKEN = 0.35  # metres from the seat's middle: who is so near is on it
 LEAN = np.radians(47.0)  # of the trunk, at the most
 OF_HIPS = 0.6  # of the lean that the hips make
@@ -42,6 +46,7 @@ GOES, BORNE, LEANT, RISES = 0.08, 0.74, 0.54, 0.62
 BACK_FIRST = 1.35  # exponent: above 1 the hips go down before they go back
 ON_THIGH, OVER_THIGH, INWARD = 0.62, 0.062, np.radians(12.0)  # of the thigh; metres; of the resting hands
 HANDS = 0.35, 0.95  # shares of the time in which free hands go to the thighs
+THERE = 0.45  # share of the time of standing up in which hands that were elsewhere come along
 GOES_ALONG = 0.4  # of the way that a shoulder leans ahead, a hand that holds something
 HELD_OVER, HELD_BEFORE = 0.27, 0.22  # metres over the seat, before the hips, of a hand that holds something, at least
 UPWARD, LEFTWARD = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
@@ -73,10 +78,10 @@ def sit(task: HumanTask) -> Iterator[Array]:
     if task.site is None or task.object is None:
         raise AlgorithmError("sit needs a site: the seat, its x where a sitter looks")
     if task.parameter("up", False):
-        yield _up(task)
+        yield from _up(task)
         return
     if task.start.root[2] < task.site.place[2] + 2.0 * _thick(task):
-        raise AlgorithmError("one must stand to sit down; stand up first")
+        raise AlgorithmError(must_stand(task, "sit down"))
     walk_library(task)
     stand = task.object.site("stand", task.start.root)
     goal = Goal(stand.place[:2], facing_of(stand.rotation))
@@ -99,16 +104,40 @@ def _down(task: HumanTask, stance: Stance) -> Array:
     return _rows(task, move, stance, np.arange(1, frames + 1) / frames)
 
 
-def _up(task: HumanTask) -> Array:
-    """Raises: AlgorithmError: nobody sits there."""
-    heading, seat = _seat(task)
-    off = task.start.root - _over(task, seat)
+def _up(task: HumanTask) -> Iterator[Array]:
+    """Raises: AlgorithmError: nobody sits there, or there is no room to stand."""
+    off = task.start.root - _over(task, _seat(task)[1])
     if np.linalg.norm(off) > ASIDE:
         raise AlgorithmError(f"one must sit on {_name(task)} to stand up from it; the hips are elsewhere")
+    task = yield from _rolled_back(task)
+    heading, seat = _seat(task)
     frames = task.length or round(UP * task.rate)
     sits = Stance(task.start.rotations.copy(), task.start.root.copy())
     move = Move(_upright(task, sits), sits, heading, seat)
-    return _rows(task, move, sits, 1.0 - np.arange(1, frames + 1) / frames)
+    yield _rows(task, move, sits, 1.0 - np.arange(1, frames + 1) / frames)
+
+
+def _rolled_back(task: HumanTask) -> Generator[Array, None, HumanTask]:
+    """The task from where there is room to stand; as it is, or, of who sits on castors, after rolling back (n, 260)."""
+    seat = seat_of(task)
+    if seat is None or not seat.castors or task.site is None:
+        return task
+    start, heading = task.start, heading_of(task.start.rotations)
+    ground, ahead = ground_of(task), np.array([np.cos(heading), np.sin(heading)])
+    about = [ring for ring, name in zip(ground.outlines, ground.names, strict=True) if name != seat.thing.name]
+    stands = _upright(task, Stance(start.rotations, start.root)).root[:2]
+    room = [
+        far for far in BACK if float(Obstacles.of(about, 0.0).clearance(stands - far * ahead).min(initial=1.0)) > ROOM
+    ]
+    if not about or not room or room[0] == 0.0:
+        return task
+    rotations, root = start.rotations, start.root
+    for rows in rolled_to(task, seat, [(start.root[:2] - far * ahead, heading) for far in room]):
+        rotations, root = rows[-1, 4:176].reshape(43, 4), rows[-1, 1:4]
+        yield rows
+    moved = begun_at(task, rotations, root)
+    moved.site = Transform(task.site.place + root - start.root, task.site.rotation)
+    return moved
 
 
 def _rows(task: HumanTask, move: Move, begun: Stance, time: Array) -> Array:
@@ -180,15 +209,23 @@ def _hands(task: HumanTask, move: Move, begun: Stance, time: Array, rotations: A
         hung = hangs[row, :3] + places[:, shoulder] - above[shoulder]
         out[:, row, :3] = hung + share[:, None] * (rest - hung)
         out[:, row, 3:7] = slerp(hangs[row, 3:], palm, share)
+        if time[0] > time[-1]:  # up, from wherever the hands are
+            come = minimum_jerk((1.0 - time) / THERE)
+            off = was[row, :3] - begun.root - (out[0, row, :3] - root[0])
+            out[:, row, :3] += (1.0 - come)[:, None] * off
+            out[:, row, 3:7] = slerp(was[row, 3:], out[:, row, 3:7], come)
     return out
 
 
 def _out_of_things(task: HumanTask, rotations: Array, root: Array) -> Array:
-    """By how much (n, 2, 3) hands that hold something go aside for what stands about in poses (n, 43, 4), (n, 3)."""
+    """By how much (n, 2, 3) hands go aside for what stands about in poses (n, 43, 4), (n, 3).
+
+    Those that hold something; of who stands up all, as they may come from a table's top.
+    """
     moved = np.zeros((len(root), len(SIDES), 3))
     prisms = [prism for prism in prisms_of(task) if not prism.sought and not prism.over(root).any()]
     for row, side in enumerate(SIDES):
-        if side in task.busy:
+        if side in task.busy or task.parameter("up", False):
             points, radii = skin_of(Reacher.of(task.human, side), rotations, root)
             moved[:, row] = kept_aside(prisms, points, radii)
     return moved

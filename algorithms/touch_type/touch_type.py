@@ -1,8 +1,9 @@
 """Touch-typing: both hands come over the home row, and each key is pressed by the finger that has it.
 
 The object's property `keys` says where the keys are and whose; the action's site is the middle of their tops, x to who
-types and z up. Who stands elsewhere steps before them first, where the action names a walk library. Standing or
-sitting, one bends no further than both arms ask for all keys of the text. At the end the hands hover.
+types and z up. Who stands elsewhere steps before them first, where the action names a walk library, and who sits on
+castors rolls there. Standing or sitting, one bends no further than both arms ask for all keys of the text. At the end
+the hands hover.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.controls import before, front_of, gone_to
+from ahmss.algorithm.castors import Seated, drawn_up, heading_of, rolled_to, seat_of
+from ahmss.algorithm.controls import before, begun_at, front_of, gone_to
 from ahmss.algorithm.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
-from ahmss.algorithm.reaching import Looking, prisms_of, refuse_far, tell_missed
+from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, refuse_far, tell_missed
 from ahmss.algorithm.stepping import ground_of, walk_library
 from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array
@@ -41,6 +43,7 @@ SINKS, BEGINS, ENDS, RISES = 0.3, 0.25, 0.3, 0.3  # seconds
 FIRST = 12  # frames in which the motion is worked out
 AT_ONCE = 12  # frames of fingers
 AWAY, NEAR, FACING = 0.36, 0.1, np.radians(15.0)  # metres from the keys at which one stands; near enough there, facing
+SITS = 0.38, 0.5, 0.04  # metres before the keys between which who sits is near enough, and aside of their middle
 ALL_IN = 0.005  # seconds before a stroke's time it is in already
 CLEAR, FARTHEST = 0.26, 0.25  # metres: what is nearer is in the way; so far aside of the keyboard nobody types
 IN_TIME, JUMPS = 0.08, np.radians(40.0)  # seconds about its time in which a key writes; a finger's turn in one frame
@@ -70,8 +73,9 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
     _tell_missed_keys(task, typing.missed(task, made, first), len({stroke.key.name for stroke in strokes}))
     spoilt = yield from gaze.until(gaze.frames, typing.spoilt(task, made, first, keys))
     if spoilt:
-        sits = Standing.of(task.human, task.start.rotations, task.start.root) is None
-        where = ("" if sits else _in_the_way(task)) or "come nearer to the middle of the keyboard"
+        if (seat := seat_of(task)) is not None:
+            raise AlgorithmError(f"it can't be typed, {spoilt}, from {_or_stand(seat)}")
+        where = _in_the_way(task) or "come nearer to the middle of the keyboard"
         raise AlgorithmError(f"it can't be typed from here, {spoilt}; {where}")
     yield rows[:first]
     for begin in range(first, len(rows), AT_ONCE):  # worked out while they are shown
@@ -167,6 +171,8 @@ def _stood(task: HumanTask) -> Generator[Array, None, tuple[HumanTask, Looking]]
         AlgorithmError: what stands there leaves no room before the keys.
     """
     gaze = Looking(task, task.site.place if task.site is not None else task.start.root)
+    if (seat := seat_of(task)) is not None and seat.castors:
+        return (yield from _rolled(task, seat, gaze))
     if task.library is None or Standing.of(task.human, task.start.rotations, task.start.root) is None:
         return task, gaze
     stance = Stance.of(task.human, walk_library(task))
@@ -179,6 +185,32 @@ def _stood(task: HumanTask) -> Generator[Array, None, tuple[HumanTask, Looking]]
     if (off := _aside(task, stand)) > FARTHEST and (way := _in_the_way(task)):
         raise AlgorithmError(f"one would stand {off:.2f} m aside of the keyboard's middle; {way}")
     return (yield from gone_to(task, stand, gaze))
+
+
+def _rolled(task: HumanTask, seat: Seated, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """The task from where one sits drawn up to the keys, as it is or after rolling there (n, 260); and the gaze.
+
+    Raises:
+        AlgorithmError: what stands there leaves no room before the keys.
+    """
+    assert task.object is not None
+    best = drawn_up(task.object)
+    off = task.object.frame.inverse().apply(task.start.root)
+    turned = abs((best[0][1] - heading_of(task.start.rotations) + np.pi) % (2.0 * np.pi) - np.pi)
+    if SITS[0] < off[0] < SITS[1] and abs(off[1]) < SITS[2] and turned < FACING:
+        return task, gaze
+    rotations, root = task.start.rotations, task.start.root
+    for rows in rolled_to(task, seat, best):
+        rotations, root = rows[-1, 4:176].reshape(43, 4), rows[-1, 1:4]
+        yield rows
+    moved = begun_at(task, rotations, root)
+    return moved, Looking(moved, gaze.place)
+
+
+def _or_stand(seat: Seated) -> str:
+    """A seat from which one can't type, and what to do, in words."""
+    name = seat.thing.name
+    return f"{name}; `do {name} stand_up` and type standing, or sit nearer to the middle of the keyboard"
 
 
 def _aside(task: HumanTask, stand: Goal) -> float:
@@ -235,6 +267,8 @@ def _planned(
     found = yield from gaze.during(posture_for_both(reaching, between, gaze.place, prisms))
     plans: dict[str, Plan] = {}
     for side, one in found.items():
+        if one[2].missing > MOST_MISSING and (seat := seat_of(task)) is not None:
+            raise AlgorithmError(f"the {side} arm is {one[2].missing:.2f} m too short for that from {_or_stand(seat)}")
         refuse_far(side, one[2])
         looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
         reacher = Reacher.of(task.human, side)

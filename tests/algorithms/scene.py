@@ -101,10 +101,11 @@ class Body:
     def do(self, algorithm: str | Callable[[Any], Any], start: Start) -> list[HumanPose]:
         """Play a motion to its end, the limbs solved onto its targets; the poses as they are shown."""
         shown: list[HumanPose] = []
+        kept, root = self.rotations, self.root  # what nobody drives stays as it was last
         for pose in frames(program(algorithm) if isinstance(algorithm, str) else algorithm, start):
             driven = pose.importance > 0.0
-            rotations = np.where(driven[:43, None], pose.rotations, self.rotations)
-            root = pose.root if driven[43] else self.root
+            kept = rotations = np.where(driven[:43, None], pose.rotations, kept)
+            root = pose.root if driven[43] else root
             rotations = solve(self.skeleton, rotations, root, pose.targets)
             shown.append(HumanPose(rotations, root, pose.importance, pose.targets))
         self.rotations, self.root = shown[-1].rotations, shown[-1].root

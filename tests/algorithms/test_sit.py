@@ -130,9 +130,16 @@ def test_who_stands_a_step_aside_goes_there_first() -> None:
 
 def test_who_is_far_is_told_to_walk_there_first() -> None:
     frame = chair(5)
-    body = at("ken", frame, STAND + np.array([1.6, 0.0, 0.0]))
-    with pytest.raises(AlgorithmError, match=r"room/chair is 1\.6 m from here; walk to room/chair first"):
+    body = at("ken", frame, STAND + np.array([12.6, 0.0, 0.0]))
+    with pytest.raises(AlgorithmError, match=r"room/chair is 12\.6 m from here; walk to room/chair first"):
         does(body, "sit", frame)
+
+
+def test_who_is_some_metres_away_walks_there() -> None:
+    frame = chair(5)
+    body = at("ken", frame, STAND + np.array([1.6, 0.4, 0.0]), turned=90.0)
+    does(body, "sit", frame)
+    assert np.linalg.norm(frame.inverse().apply(body.root)[:2] - [-0.055, 0.0]) < 0.01
 
 
 def somebody(frame: Transform, place: tuple[float, float]) -> ObjectRecord:
