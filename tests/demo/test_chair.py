@@ -112,3 +112,14 @@ def test_who_stands_elsewhere_walks_there_and_has_to_sit_to_stand_up(
     assert failing(tmp_path, *lines) == 1
     said = capfd.readouterr()
     assert "room/chair stand_up: ken does not hold it" in said.out + said.err
+
+
+@pytest.mark.parametrize("motion", ["chair/play_sit", "chair/play_stand_up", "door/play_open", "door/play_close"])
+def test_the_captured_clips_are_what_their_objects_name(motion: str) -> None:
+    kind, name = motion.split("/")
+    path = Workspace(ROOT).objects.get(kind).affordances[name].motion
+    assert path is not None
+    clip = load(path)
+    assert clip.header.origin.startswith("captured by scripts/make_motions.py")
+    assert clip.contacts.min() == 1.0  # both feet on the floor throughout
+    assert (clip.importance[:, INDEX["head"]] < clip.importance[:, INDEX["hips"]]).all()  # the head may look elsewhere
