@@ -22,6 +22,7 @@ from ahmss.world.view import World
 __all__ = ["Layout"]
 
 _EVERY = 60  # frames between two looks at the files
+_LOOKS = 8  # for which what has a part in use waits until that is let go
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,8 @@ class Layout:
     """What this main has added, and what the files say of it now.
 
     Files are read and the server is told in a thread: no frame waits for that. Objects that somebody has carried
-    elsewhere since stay there; those in use follow when they are let go.
+    elsewhere since stay there; those in use follow when they are let go. What has a part in use, as a panel whose
+    button is pressed, waits for that some seconds; then it is moved, and the part follows it when it is let go.
     """
 
     def __init__(self, workspace: Workspace, communication: Communication, say: Callable[[str], None]) -> None:
@@ -52,6 +54,8 @@ class Layout:
         self._added: dict[str, _Followed] = {}
         self._look: Future[_Seen] | None = None
         self._complaints: list[str] = []
+        self._waited: dict[str, int] = {}  # looks, of what has a part in use
+        self._late: set[str] = set()  # parts whose whole was moved without them
 
     def remember(self, placed: Sequence[Placed]) -> None:
         """An object was added, with all that it contains."""
@@ -86,6 +90,8 @@ class Layout:
     def _look_at(self, added: Mapping[str, _Followed]) -> _Seen:
         """Compare each object with its files."""
         seen = _Seen()
+        if self._late:
+            self._fetch({one.name: one for was in added.values() for one in was.placed})
         for name, was in added.items():
             try:
                 kinds = {kind: self._workspace.objects.get(kind) for kind in {one.kind for one in was.placed}}
@@ -134,8 +140,36 @@ class Layout:
                     continue
                 if record.holder:
                     waiting.add(one.name)
+                used = _in_use(world, one.name)
+                looks = self._waited.get(one.name, 0)
+                if used and looks < _LOOKS:
+                    self._waited[one.name] = looks + 1
+                    waiting.add(one.name)
+                    part, holder = used[0], world.objects[used[0]].holder
+                    refusals[f"{part} is held by {holder}; {one.name} can be moved when it is let go"] = None
+                    continue
+                self._waited.pop(one.name, None)
+                self._late.update(used)
                 attempt(lambda one=one, world=world: client.move([_pose(world, one)], layout=True))
         return list(refusals), frozenset(waiting)
+
+    def _fetch(self, placed: Mapping[str, Placed]) -> None:
+        """Put parts that were in use when their whole was moved where they belong, as soon as they are let go."""
+        with self._communication.errand() as client:
+            world = client.refresh()
+            for name in sorted(self._late):
+                record = world.objects.get(name)
+                if record is not None and record.holder:
+                    continue
+                self._late.discard(name)
+                if record is not None and name in placed and not record.moved:
+                    client.move([_pose(world, placed[name])], layout=True)
+
+
+def _in_use(world: World, name: str) -> list[str]:
+    """The parts of an object that somebody uses where they are."""
+    within = ((part, record) for part, record in world.objects.items() if _within(part, {name}) and part != name)
+    return [part for part, record in within if record.holder and record.attached]
 
 
 def _within(name: str, names: Set[str]) -> bool:
@@ -144,9 +178,13 @@ def _within(name: str, names: Set[str]) -> bool:
 
 
 def _but(now: Sequence[Placed], before: Sequence[Placed], names: Set[str]) -> tuple[Placed, ...]:
-    """Entries as they are now, but for those of some names, which are as they were before; parents first."""
+    """Entries as they are now, but for those of some names, which are as they were before; parents first.
+
+    What is in one that is only to be moved is as it is now, what is in one that is to be removed is gone.
+    """
     kept = {one.name: one for one in before if one.name in names}
-    kept |= {one.name: one for one in now if not _within(one.name, names)}
+    going = names - {one.name for one in now if one.name in kept and kept[one.name].kind == one.kind}
+    kept |= {one.name: one for one in now if one.name not in names and not _within(one.name, going)}
     return tuple(sorted(kept.values(), key=lambda one: one.name.count("/")))
 
 

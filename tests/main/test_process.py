@@ -344,6 +344,35 @@ def test_what_is_in_use_follows_its_file_when_it_is_let_go(server: Start, join: 
     assert np.abs(world.pose("shelf/one")[:3] - [1.1, 0.0, 0.0]).max() < 1e-6
 
 
+@pytest.mark.usefixtures("looks_often")
+@pytest.mark.parametrize("patient", [True, False])
+def test_a_whole_whose_part_is_in_use_is_moved_with_it_when_it_is_let_go(
+    server: Start, join: Join, workspace: Path, monkeypatch: pytest.MonkeyPatch, patient: bool
+) -> None:
+    monkeypatch.setattr(layout, "_LOOKS", 1000 if patient else 2)
+    for kind, within in (("board", "box"), ("shelf", "board")):
+        (workspace / "objectdb" / kind).mkdir()
+        entry = f'name = "{kind}"\n[[contains]]\nkind = "{within}"\nposition = [0.2, 0.0, 0.0]\n'
+        (workspace / "objectdb" / kind / "object.toml").write_text(entry)
+    main = join(server())
+    main.play(steps("add shelf at 1 0 0"))
+    world, client = main.communication.world, main.communication.client
+    client.claim("ken", ["shelf/board/box"], "")
+    file = workspace / "objectdb" / "shelf" / "object.toml"
+    file.write_text(file.read_text() + "facing_deg = 90\n")
+    if patient:
+        wait_until(main, lambda: bool(main.report.messages))
+        assert np.abs(world.pose("shelf/board")[3:] - [1.0, 0.0, 0.0, 0.0]).max() < 1e-6
+    else:
+        wait_until(main, lambda: abs(world.pose("shelf/board")[3] - 1.0) > 0.1)
+    assert np.abs(world.pose("shelf/board/box")[:3] - [1.4, 0.0, 0.0]).max() < 1e-6  # under the finger, where it was
+    assert main.report.messages == ["shelf/board/box is held by ken; shelf/board can be moved when it is let go"]
+    client.release("ken", ["shelf/board/box"])
+    wait_until(main, lambda: abs(world.pose("shelf/board/box")[0] - 1.4) > 0.1)
+    assert np.abs(world.pose("shelf/board/box")[:3] - [1.2, 0.2, 0.0]).max() < 1e-6
+    assert np.abs(world.pose("shelf/board")[3:] - np.sqrt([0.5, 0.0, 0.0, 0.5])).max() < 1e-6
+
+
 def test_a_new_affordance_and_its_algorithm_work_without_a_restart(ken: MainProcess, workspace: Path) -> None:
     ken.play(steps("do b hail"))
     write_algorithm(workspace, "hail", "human", "", ALGORITHMS["swing"][2])
