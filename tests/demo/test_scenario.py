@@ -13,7 +13,7 @@ from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.main.play import PlaySetup, play_script
-from ahmss.motion.smoothness import joint_motion, worst_pop
+from ahmss.motion.smoothness import angular_steps, joint_motion, worst_pop
 
 from .conftest import CUP, DOOR, ROOT
 from .drawn import drawn
@@ -27,6 +27,8 @@ TELEVISION, SWITCH, TAP, CHAIR = "room/television", "room/television/switch", "r
 HEIGHT = 0.095  # of the cup
 MOST_ACCELERATION, P99_ACCELERATION = 382.0, 213.0  # rad/s2, straight walks of real capture
 MOST_POP = 7.0  # degrees; 14 to 33 in straight walks of real capture
+ARMS = [i for i, link in enumerate(LINKS) if link.endswith(("_arm", "_hand"))]
+FASTEST_ARM = 7.0  # degrees that one of these turns in a frame
 # Metres: skin that gives way where a hand holds and where one sits; no limb is deeper in anything than THROUGH, no leg
 # or foot than LEGS.
 TOUCHES, SITS, THROUGH, LEGS = 0.008, 0.010, 0.008, 0.004
@@ -139,6 +141,8 @@ def it_moves_as_people_do(scenario: Scenario) -> None:
     assert 20.0 < joints.acceleration_max <= MOST_ACCELERATION, LINKS[joints.joint]
     assert joints.acceleration_p99 <= P99_ACCELERATION
     assert pop.degrees < MOST_POP, (LINKS[pop.joint], pop)
+    arms = np.degrees(np.linalg.norm(angular_steps(played.rotations[:, ARMS]), axis=-1))
+    assert arms.max() < FASTEST_ARM, np.unravel_index(arms.argmax(), arms.shape)
     assert drift(played) < 0.001
 
 

@@ -13,7 +13,8 @@ from .conftest import CUP, ROOT
 CHAIR = "room/chair"
 WIDER = 1.25  # times as wide as the room's cup: 90 mm
 TABLE, ON_TABLE = (0.77, 0.2), (-0.35, -0.35)
-VARIATIONS = ("chair moved", "chair turned", "table turned", "wider cup", "starts elsewhere", "aiko")
+TABLE_TURNED = {"table turned": 40, "table turned less": 20}  # degrees
+VARIATIONS = ("chair moved", "chair turned", *TABLE_TURNED, "wider cup", "starts elsewhere", "aiko")
 
 
 @dataclass(frozen=True)
@@ -35,12 +36,13 @@ def varied(name: str, folder: Path) -> Varied:
         where = "1.98 0.7 0 facing 150" if name == "chair turned" else "2.13 0.45 0 facing 180"
         text = after_room(text, "remove room/chair", f"add chair at {where}")
         change = replace(change, chair="chair")
-    elif name == "table turned":
-        turn = math.radians(40.0)
+    elif name in TABLE_TURNED:
+        turned = TABLE_TURNED[name]
+        turn = math.radians(turned)
         x = TABLE[0] + math.cos(turn) * ON_TABLE[0] - math.sin(turn) * ON_TABLE[1]
         y = TABLE[1] + math.sin(turn) * ON_TABLE[0] + math.cos(turn) * ON_TABLE[1]
         text = after_room(
-            text, "remove room/table", f"add table at {TABLE[0]} {TABLE[1]} 0 facing 40", "remove room/cup",
+            text, "remove room/table", f"add table at {TABLE[0]} {TABLE[1]} 0 facing {turned}", "remove room/cup",
             f"add cup at {x:.3f} {y:.3f} 0.88",
         )  # fmt: skip
         change = replace(change, cup="cup")
