@@ -7,9 +7,11 @@ is moved aside as far as that takes (`ahmss.reaching.aside`), turned as it was. 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 
+from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.arm import wrist_of
@@ -21,7 +23,7 @@ from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import skin_of
 
-__all__ = ["GivingWay", "Things"]
+__all__ = ["GivingWay", "Things", "points_of"]
 
 _NEAR = 1.1  # metres from the hips beyond which nothing is in an arm's way
 _AHEAD = (0.0, 8.0, 16.0)  # frames
@@ -30,7 +32,8 @@ _ON = (_GOES_ON * (1.0 - np.exp(-(np.array(_AHEAD) + 1.0) / _GOES_ON)))[:, None]
 _NEWEST = 0.3  # of how the trunk moves, that the newest frame makes
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
 _ALL = 0.04  # metres
-_LARGEST, _GRAIN = 0.5, 0.01  # metres: what is larger in a hand is not looked at; between its points at the least
+_LARGEST = 0.5  # metres: what is larger in a hand is not looked at
+_GRAIN, _COARSEST = 0.01, 0.065  # metres between its points at the least, at the most
 
 
 class GivingWay:
@@ -45,7 +48,7 @@ class GivingWay:
         self._task, self._reacher = task, Reacher.of(task.human, side)
         self._things = Things(task)
         self._aside = Aside(task.rate)
-        self._held = _points_of(task, side)
+        self._held = points_of(task, side, task.object)
         self._seat: tuple[Array, Array] | None = None
         self._speed, self._spin = np.zeros(3), np.zeros(3)
 
@@ -130,16 +133,16 @@ def _within(prism: Prism, root: Array) -> bool:
     return float(away[0]) < _NEAR
 
 
-def _points_of(task: HumanTask, side: str) -> tuple[Array, Array]:
+def points_of(task: HumanTask, side: str, thing: WorldObject | None) -> tuple[Array, Array]:
     """Points (n, 3) of what is in the hand, in the hand's frame, and their radii (n,): of what says how large it is."""
-    thing = task.object
     size = None if thing is None else thing.properties.get("size")
     if thing is None or not isinstance(size, (list, tuple)) or len(size) != 3 or max(size) > _LARGEST:
         return np.zeros((0, 3)), np.zeros(0)
     length = np.array(size, float)
     radius = 0.5 * float(length.min())
     low, high = np.array([-0.5, -0.5, 0.0]) * length + radius, np.array([0.5, 0.5, 1.0]) * length - radius
-    axes = [np.linspace(low[i], high[i], 3 if high[i] - low[i] > _GRAIN else 1) for i in range(3)]
+    counts = [1 if span <= _GRAIN else max(3, 1 + ceil(span / _COARSEST)) for span in high - low]
+    axes = [np.linspace(low[i], high[i], counts[i]) for i in range(3)]
     inner = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     middle = thing.frame.apply(inner)
     reacher = Reacher.of(task.human, side)

@@ -236,6 +236,10 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
     busy: Annotated[
         list[Literal["right", "left"]] | UnsetType, Meta(description="the hands that hold something; missing: none")
     ] = UNSET
+    held: Annotated[
+        dict[str, int] | UnsetType,
+        Meta(description='what is in the `"right"` and the `"left"` hand, its number in `world`; missing: nothing'),
+    ] = UNSET
     hold: Annotated[
         Literal["", "take", "keep", "release"], Meta(description="what the action does to the object in the hand")
     ] = ""

@@ -15,6 +15,7 @@ from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.clearing import gap_of, refuse_touching
 from ahmss.algorithm.controls import beside, in_the_way, stood_before
+from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.part_ways import (
     Approach,
     Grip,
@@ -58,6 +59,11 @@ _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other:
 
 
 def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[Array]:
+    """Frames (n, 260) of what `_pinched` does, what the other hand holds kept out of the way."""
+    return kept_clear(task, _pinched(task, part, other))
+
+
+def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]:
     """Frames (n, 260): the hand comes, closes, moves the part, opens, and goes back the way that it came.
 
     Where the arm can't go all the way so it goes the other way, if there is one, with the same site. Where neighbours

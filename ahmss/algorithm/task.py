@@ -89,6 +89,11 @@ class Task:
         """The hands, of `"right"` and `"left"`, that hold something."""
         return () if self.message.busy is UNSET else tuple(self.message.busy)
 
+    def in_hand(self, side: str) -> WorldObject | None:
+        """What the `"right"` or `"left"` hand holds; None where it is neither the object nor in the world asked for."""
+        number = None if self.message.held is UNSET else self.message.held.get(side)
+        return None if number is None else self._about.get(number) or self.world.get(number)
+
     @property
     def carried(self) -> bool:
         """Whether another motion carries the body: what this one says of hips, legs and root does not count."""

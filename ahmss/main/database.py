@@ -178,6 +178,7 @@ class Database:
             parameters=order.parameters if kind == "human" else order.object_parameters,
             hand=_side(order.hand),
             busy=sorted(_side(hand) for hand in set(actor.holds.values()) - {""}) or UNSET,
+            held=_in_hands(scene, actor) or UNSET,
             hold=_hold(order.affordance.hold),
             world=told.world(order.object, actor.root),
             directory=str(entry.directory),
@@ -335,6 +336,12 @@ def _free_hand(actor: Actor) -> str:
 
 def _side(hand: str) -> Any:
     return hand if hand in ("right", "left") else ""
+
+
+def _in_hands(scene: Scene, actor: Actor) -> dict[str, int]:
+    """The numbers of what is in the acting human's hands, by side."""
+    held = {_side(hand): scene.objects[name].id for name, hand in actor.holds.items() if name in scene.objects}
+    return {side: number for side, number in held.items() if side}
 
 
 def _hold(hold: str) -> Any:

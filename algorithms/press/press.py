@@ -16,6 +16,7 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
+from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.pinching import gone_back, rows_made
 from ahmss.algorithm.reaching import performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
@@ -37,6 +38,11 @@ COMES, PUSHES, STAYS, LEAVES = 0.16, 0.12, 0.07, 0.3  # seconds
 
 
 def press(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260) of it, what the other hand holds kept out of the way."""
+    return kept_clear(task, _press(task))
+
+
+def _press(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): the hand comes, presses, and is drawn back."""
     if task.site is None or task.object is None:
         raise AlgorithmError("press needs a site: the button's face, its x out of it")

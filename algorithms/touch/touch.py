@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, WorldObject, run
 from ahmss.algorithm.at_ease import at_ease
+from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
@@ -33,6 +34,11 @@ UNSAID = -0.5  # less than any place that is said
 
 
 def touch(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260) of it, what the other hand holds kept out of the way."""
+    return kept_clear(task, _touch(task))
+
+
+def _touch(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): the hand comes, touches, is drawn where it shall, and goes back a little."""
     screen = task.site
     if screen is None or task.object is None:

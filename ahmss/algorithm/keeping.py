@@ -1,0 +1,103 @@
+"""A hand that holds something while the other one is at work: arm and thing are kept out of what stands about.
+
+The trunk goes to a panel and leans over it, and what is held goes along; where it would be in something the hand is
+moved aside with it, turned as it was, sooner than it would be there (`ahmss.reaching.aside`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ahmss.algorithm.giving_way import Things, points_of
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.arm import wrist_of
+from ahmss.body.array import Array
+from ahmss.body.quaternion import multiply, rotate
+from ahmss.reaching.aside import AIR, Aside
+from ahmss.reaching.moved_hand import with_hand_moved
+from ahmss.reaching.prism import Prism, clearance
+from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.skin import skin_of
+
+__all__ = ["kept_clear"]
+
+_AHEAD = (0, 5, 10, 15, 20)  # frames that are looked at
+_GOES_ON = 10.0  # frames in which a hand comes to rest, as far as can be known where no more frames are
+_ON = _GOES_ON * (1.0 - np.exp(-np.arange(1.0, 21.0) / _GOES_ON))
+_AT_ONCE = 2  # frames that are worked out before they are shown
+_MOVES = 0.15  # metres that a hand may go farther aside: what is farther off is not looked at
+_DEEP = 0.06  # metres: what a hand is so deep in (a shelf) is not in its way
+_ROOT, _ROTATIONS, _IMPORTANCE = slice(1, 4), slice(4, 176), 176  # of a POSE
+
+
+def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
+    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them."""
+    arms = [_Held(task, side) for side in task.busy]
+    if not arms:
+        yield from made
+        return
+    rotations, root = task.start.rotations.copy(), task.start.root.copy()
+    for rows in made:
+        rows = np.atleast_2d(np.array(rows))
+        poses, roots = np.empty((len(rows), 43, 4)), np.empty((len(rows), 3))
+        for k, row in enumerate(rows):  # what nobody cares for stays as it is
+            cares = row[_IMPORTANCE : _IMPORTANCE + 44] > 0.0
+            rotations = np.where(cares[:43, None], row[_ROTATIONS].reshape(43, 4), rotations)
+            root = row[_ROOT] if cares[43] else root
+            poses[k], roots[k] = rotations, root
+        ways = [arm.way(poses, roots) for arm in arms]
+        for first in range(0, len(rows), _AT_ONCE):
+            some = slice(first, first + _AT_ONCE)
+            for arm, way in zip(arms, ways, strict=True):
+                arm.over(rows[some], poses[some], roots[some], way, first)
+            yield rows[some]
+
+
+class _Held:
+    """One arm whose hand holds something."""
+
+    def __init__(self, task: HumanTask, side: str) -> None:
+        self._reacher, self._aside, self._things = Reacher.of(task.human, side), Aside(task.rate), Things(task)
+        self._held, self._thick = points_of(task, side, task.in_hand(side))
+
+    def way(self, rotations: Array, root: Array) -> Array:
+        """Points (n + 20, m, 3) of forearm, hand and what it holds in poses (n, 43, 4), (n, 3), and as they go on."""
+        reacher = self._reacher
+        skin, self._radii = skin_of(reacher, rotations, root)
+        spine = seat(reacher.skeleton, rotations, root)
+        wrist = wrist_of(reacher.arm, reacher.arm.from_pose(rotations[:, reacher.links]))
+        turn = multiply(spine[1], reacher.arm.rotation)
+        place, turned = reacher.shoulder(spine) + rotate(turn, wrist.place), multiply(turn, wrist.rotation)
+        held = place[:, None] + rotate(turned[:, None], self._held)
+        self._radii = np.concatenate([self._radii, self._thick])
+        self._skin = skin.shape[1]
+        points = np.concatenate([skin, held], axis=1)
+        speed = points[-1] - points[-2] if len(points) > 1 else np.zeros(points.shape[1:])
+        return np.concatenate([points, points[-1] + _ON[:, None, None] * speed])
+
+    def over(self, rows: Array, rotations: Array, root: Array, way: Array, first: int) -> None:
+        """Change rows (n, ...) of poses (n, 43, 4), (n, 3), from frame `first` of its points (N + 20, m, 3) on."""
+        links = self._reacher.links
+        prisms = self._things.about(root[0], sought=True)
+        for k in range(len(rows)):
+            ahead = way[first + k + np.array(_AHEAD if len(way) > 1 + _AHEAD[-1] else _AHEAD[:1])]
+            aside, room = self._aside.moved, float(self._radii.max()) + AIR + _MOVES
+            low, high = ahead.min(axis=(0, 1)) - room, ahead.max(axis=(0, 1)) + room
+            low, high = np.minimum(low, low + aside), np.maximum(high, high + aside)
+            skin = way[first + k, : self._skin] + aside
+            near = [prism for prism in prisms if prism.meets(low, high) and not _deep_in(prism, skin)]
+            if not near and self._aside.still:
+                continue
+            moved = self._aside.step(near, ahead.reshape(-1, 3), np.tile(self._radii, len(ahead)))
+            if self._aside.still:
+                continue
+            rows[k, _ROTATIONS].reshape(43, 4)[links] = with_hand_moved(self._reacher, rotations[k], root[k], moved)
+            cares = slice(_IMPORTANCE + links.start, _IMPORTANCE + links.stop)
+            rows[k, cares] = np.maximum(rows[k, cares], 1.0)
+
+
+def _deep_in(prism: Prism, points: Array) -> bool:
+    """Whether one of points (m, 3) is so deep in a thing that it is not in their way."""
+    return prism.meets(points.min(axis=0), points.max(axis=0)) and clearance([prism], points, 0.0).min() <= -_DEEP

@@ -1,0 +1,89 @@
+"""kept_clear: what a hand holds, and its arm, keep out of a panel while the other hand is at work there."""
+
+from __future__ import annotations
+
+import msgspec
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanPose, HumanTask, Transform
+from ahmss.algorithm.box import Box, boxes_of
+from ahmss.algorithm.giving_way import points_of
+from ahmss.algorithm.messages import ObjectRecord
+from ahmss.algorithm.place import WorldObject
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import INDEX, fingers
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
+from ahmss.reaching.moved_hand import with_hand_moved
+from ahmss.reaching.reacher import Reacher
+
+from .devices import at, begun, device, posed
+from .scene import WORKSPACE, Body, program
+
+PANEL = at(1.5, 0.0, 0.0, np.pi)
+BUTTON = WORKSPACE.objects.get("panel").contains[6]
+WALKS = str(WORKSPACE.objects.get("latching_button").affordances["press"].motion)
+IN_PALM = Transform(np.array([0.02, 0.0, 0.0]), np.array([1.0, 0.0, 0.0, 0.0]))
+
+
+def numbered(thing: ObjectRecord, number: int) -> ObjectRecord:
+    return msgspec.structs.replace(thing, id=number, footprint=[] if number == 21 else thing.footprint)
+
+
+def pressed(name: str, held: dict[str, int]) -> tuple[Body, list[HumanPose], HumanTask]:
+    """Somebody with a manual before the belly goes to a panel and presses a button with the other hand."""
+    body = Body(name, 0.5, -0.6, 0.0)
+    for link, turn in (("right_lower_arm", 1.1), ("right_upper_arm", 0.2)):
+        bent = from_axis_angle(np.array([0.0, 1.0, 0.0]), turn)
+        body.rotations[INDEX[link]] = multiply(body.rotations[INDEX[link]], bent)
+    reacher = Reacher.of(body.skeleton, "right")  # the elbow where it is by itself
+    body.rotations[reacher.links] = with_hand_moved(reacher, body.rotations, body.root, np.zeros(3))
+    button = device(BUTTON.kind, PANEL.then(Transform(np.array(BUTTON.position), np.array(BUTTON.rotation))))
+    manual = device("manual", body.grip().then(IN_PALM))
+    world = [numbered(device("panel", PANEL), 20), numbered(manual, 21)]
+    start = begun(body, button, "face", {}, motion=WALKS, world=world, busy=["right"], held=held)
+    task = HumanTask(start)
+    return body, body.do(program("press"), start), task
+
+
+def depth(body: Body, shown: list[HumanPose], task: HumanTask, *, manual: bool) -> float:
+    """How deep the bones of hand and forearm, or the board in the hand, come to be in the panel, metres."""
+    boxes: list[Box] = boxes_of(WorldObject.of(device("panel", PANEL)))
+    places, turned = posed(body, shown)
+    if manual:
+        held, _ = points_of(task, "right", task.world[21])
+        hand = INDEX["right_hand"]
+        points = places[:, hand, None] + rotate(turned[:, hand, None], held)
+    else:
+        links = [INDEX["right_lower_arm"], INDEX["right_hand"], *fingers("right")]
+        ends = places[:, links] + rotate(turned[:, links], body.skeleton.tips[links])
+        points: Array = np.concatenate([places[:, links], ends, 0.5 * (places[:, links] + ends)], axis=1)
+    return float(max(-box.gap(points).min() for box in boxes))
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_what_is_carried_keeps_out_of_the_panel_at_which_the_other_hand_presses(name: str) -> None:
+    body, shown, task = pressed(name, {"right": 21})
+    assert depth(body, shown, task, manual=False) < -0.02
+    assert depth(body, shown, task, manual=True) < -0.01
+    rotations = np.array([pose.rotations for pose in shown])
+    arm = slice(INDEX["right_upper_arm"], INDEX["right_hand"] + 1)
+    turned = to_rotation_vector(multiply(conjugate(rotations[:-1, arm]), rotations[1:, arm]))
+    assert np.degrees(np.linalg.norm(turned, axis=-1)).max() < 6.0
+    palms = grips(body.skeleton, rotations, np.array([pose.root for pose in shown]))
+    assert float(np.linalg.norm(palms[-1, 1, :3] - np.array(task.site.place))) < 0.3  # type: ignore[union-attr]
+
+
+def test_of_what_is_not_told_the_hand_alone_keeps_out() -> None:
+    body, shown, task = pressed("ken", {})
+    assert task.in_hand("right") is None
+    assert depth(body, shown, task, manual=False) < -0.02
+
+
+def test_in_hand_tells_what_each_hand_holds() -> None:
+    _, _, task = pressed("ken", {"right": 21})
+    thing = task.in_hand("right")
+    assert thing is not None
+    assert thing.name == "manual"
+    assert task.in_hand("left") is None
