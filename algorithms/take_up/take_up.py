@@ -1,5 +1,7 @@
 """Taking something up: the hand comes, closes, and brings it to the ear, or before the eyes.
 
+Who does not reach so far steps to where they do, where the action names a walk library.
+
 The reach is that of `reach`, the grip that of `grasp`. A left hand meets the site mirrored. What is held to the ear has
 its ends along its y axis (property `ends`, metres from its middle) and its openings looking along its -z; the end at
 the thumb comes to the ear. What is read has its text facing along its z, and who reads it at its x.
@@ -14,6 +16,8 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
+from ahmss.algorithm.castors import seat_of
+from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, refuse_far, sides_of, tell_missed
 from ahmss.algorithm.reading import before_eyes
 from ahmss.body.array import Array
@@ -59,7 +63,7 @@ def take_up(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("what is taken up needs a shape, and a site where a hand takes it")
     if task.carried:
         raise AlgorithmError("walk there first, then take it up")
-    gaze = Looking(task, task.site.place)
+    gaze, frame = Looking(task, task.site.place), task.object.frame
     yield gaze.alone()
     grips: dict[str, Taking] = {}
     for side in sides_of(task):
@@ -67,10 +71,9 @@ def take_up(task: HumanTask) -> Iterator[Array]:
         yield gaze.alone()
     if not grips:
         raise AlgorithmError(f"no hand can close on {task.object.name} there; give the site another rotation")
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
     goal = Goal(task.site.place, palms={side: taking.palms for side, taking in grips.items()})
     into = rotate(task.site.rotation, X)
-    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), -BEFORE * into)
+    task, gaze, reaching, plan = yield from _planned(task, goal, -BEFORE * into, gaze)
     side = plan.reacher.side
     grip = Transform(plan.palm[:3] + BEFORE * into, plan.palm[3:])
     links, holding = list(fingers(side)), grips[side].holding
@@ -80,7 +83,26 @@ def take_up(task: HumanTask) -> Iterator[Array]:
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
-    yield from _brought(task, made, side, grip.inverse().then(task.object.frame))
+    yield from _brought(task, made, side, grip.inverse().then(frame))
+
+
+def _planned(
+    task: HumanTask, goal: Goal, off: Array, gaze: Looking
+) -> Generator[Array, None, tuple[HumanTask, Looking, Reaching, Plan]]:
+    """The plan of a reach to so far (3,) off the grip, from here or after steps to where the hand comes there.
+
+    Raises:
+        AlgorithmError: it is out of reach, and nobody steps there; says by how much.
+    """
+    reaching, prisms = Reaching(task.human, task.start.rotations, task.start.root), prisms_of(task)
+    try:
+        return task, gaze, reaching, (yield from planned(task, reaching, goal, gaze, prisms, off))
+    except AlgorithmError:
+        if task.library is None or seat_of(task) is not None:
+            raise
+    task, gaze = yield from gone_nearer(task, goal.place, lambda _: goal, gaze, prisms)
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    return task, gaze, reaching, (yield from planned(task, reaching, goal, gaze, prisms, off))
 
 
 def _grips(task: HumanTask, side: str, site: Transform) -> dict[str, Taking]:

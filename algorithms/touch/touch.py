@@ -1,7 +1,8 @@
 """Touching a display: the index finger comes onto the glass at a field or a place, and leaves it, or is drawn over it.
 
-The reach is that of `press`. A touch lasts some 130 ms; a finger that is drawn goes by a minimum-jerk profile in the
-time that Fitts's law gives. The object's properties say how large the screen is and which fields are where.
+The reach is that of `press`, as are the steps to where one reaches it, where the action names a walk library. A touch
+lasts some 130 ms; a finger that is drawn goes by a minimum-jerk profile in the time that Fitts's law gives. The
+object's properties say how large the screen is and which fields are where.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, WorldObject, run
 from ahmss.algorithm.at_ease import at_ease
+from ahmss.algorithm.controls import in_the_way, stood_before
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
@@ -49,10 +51,11 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     out = rotate(screen.rotation, np.array([1.0, 0.0, 0.0]))
     middle = 0.5 * (begin + end)
     palms = {side: palms_pointing(task.human, side, middle, -out) for side in _sides(task, middle)}
-    gaze = Looking(task, middle)
+    goal = Goal(middle, palms=palms)
+    task, gaze = yield from stood_before(task, goal, in_the_way(task), Looking(task, middle))
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     off = BEFORE * out + begin - middle
-    plan = yield from planned(task, reaching, Goal(middle, palms=palms), gaze, prisms_of(task), off)
+    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), off)
     drawn = _drawn(task, plan.palm, out, end - begin)
     if task.length:
         drawn = drawn[np.linspace(0, len(drawn) - 1, min(len(drawn), task.length // 2)).round().astype(int)]

@@ -29,12 +29,14 @@ CRADLE = np.array([-0.05, 0.0, 0.04])
 class Scene:
     """Somebody before a desk with something on it that is taken up."""
 
-    def __init__(self, name: str, side: str, kind: str, site: str, to: str) -> None:
+    def __init__(
+        self, name: str, side: str, kind: str, site: str, to: str, away: float = 0.5, motion: str | None = None
+    ) -> None:
         self.base = at(1.0, -0.5, 0.88, 2.1)
         offset = CRADLE if kind == "handset" else np.zeros(3)
         self.frame = Transform(self.base.apply(offset), self.base.rotation)
-        self.body, self.side, self.kind, self.site = before(name, self.base, 0.5), side, kind, site
-        self.start = begun(self.body, self.named(self.frame), site, {"to": to}, hand=side, hold="take")
+        self.body, self.side, self.kind, self.site = before(name, self.base, away), side, kind, site
+        self.start = begun(self.body, self.named(self.frame), site, {"to": to}, hand=side, hold="take", motion=motion)
         self.shown = self.body.do("take_up", self.start)
         self.followed = self.follow(self.start, self.shown)
         self.held = self.followed[-1]
@@ -261,3 +263,17 @@ def test_what_belongs_nowhere_wants_a_place() -> None:
     scene = Scene("ken", "right", "handset", "bar", "ear")
     with pytest.raises(AlgorithmError, match="say a place"):
         scene.goes_on("lay_down", {"rest": "cradle"}, "release")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "site", "to"), [("ken", "manual", "edge", "eyes"), ("aiko", "handset", "bar", "ear")]
+)
+def test_who_does_not_reach_it_steps_there_and_takes_it_up(name: str, kind: str, site: str, to: str) -> None:
+    with pytest.raises(AlgorithmError, match="too short for that from here"):
+        Scene(name, "right", kind, site, to, away=1.6)
+    action = WORKSPACE.objects.get(kind).affordances["take" if kind == "manual" else "pick_up"]
+    scene = Scene(name, "right", kind, site, to, away=1.6, motion=str(action.motion))
+    away = np.linalg.norm(np.array([pose.root for pose in scene.shown])[:, :2] - scene.frame.place[:2], axis=1)
+    assert away[0] > 1.5
+    assert away[-1] < 0.7
+    assert np.linalg.norm(scene.held.place - head(scene, scene.shown[-1]).place) < 0.6

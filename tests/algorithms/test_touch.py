@@ -15,7 +15,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
 
 from .devices import UP, acting, before, begun, device, mover, tips
-from .scene import Body, program
+from .scene import WORKSPACE, Body, program
 
 GLASS = np.array([0.0154, -0.18, -0.12])  # the lower left corner of the screen, in the panel's frame
 
@@ -32,9 +32,11 @@ class Panel:
         level = Transform(self.frame.place, turn)
         self.body = before(name, level, random.uniform(0.42, 0.55), random.uniform(-0.1, 0.1), random.uniform(-15, 15))
 
-    def touched(self, states: dict[str, Any], **parameters: Any) -> tuple[Body, Start, list[HumanPose]]:
+    def touched(
+        self, states: dict[str, Any], motion: str | None = None, **parameters: Any
+    ) -> tuple[Body, Start, list[HumanPose]]:
         """The human's frames."""
-        start = begun(self.body, device("touch_panel", self.frame, states), "screen", parameters)
+        start = begun(self.body, device("touch_panel", self.frame, states), "screen", parameters, motion=motion)
         return self.body, start, self.body.do("touch", start)
 
     def told(self, body: Body, start: Start, shown: list[HumanPose]) -> list[dict[str, Any]]:
@@ -112,3 +114,16 @@ def test_a_place_is_touched_as_well() -> None:
 def test_what_is_not_there_is_refused(parameters: dict[str, Any], told: str) -> None:
     with pytest.raises(AlgorithmError, match=told):
         Panel(0).touched({}, **parameters)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_who_stands_too_far_away_steps_before_it_first(seed: int) -> None:
+    panel = Panel(seed)
+    far = panel.frame.apply(np.array([1.5, 0.6, 0.0]))
+    panel.body = Body(("ken", "aiko")[seed], float(far[0]), float(far[1]), 40.0)
+    motion = WORKSPACE.objects.get("touch_panel").affordances["tap"].motion
+    assert motion is not None
+    shown = panel.touched({}, field="pump", motion=str(motion))
+    told = panel.told(*shown)
+    assert [states["touched"] for states in told if states.get("touched")] == ["pump"]
+    assert np.linalg.norm((panel.body.root - panel.frame.place)[:2]) < 0.75
