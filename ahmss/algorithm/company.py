@@ -65,7 +65,7 @@ class Watching:
         if whom is None or _EYES not in whom.sites:
             return None
         at, _ = floor_frame(task.start.rotations, task.start.root)
-        if np.hypot(*(whom.place - at)[:2]) < 0.05:  # oneself
+        if whom.states.get("oneself") == "yes":
             return None
         watching = cls(task, whom)
         aside = aside_of(task, watching.eyes)

@@ -159,7 +159,7 @@ class Database:
         """The START message of the order's human or object algorithm ("human" or "object")."""
         entry = order.human_algorithm if kind == "human" else order.object_algorithm
         assert entry is not None
-        told = Description(self.workspace, scene, entry, actor.holds)
+        told = Description(self.workspace, scene, entry, actor.holds, actor.name)
         motion = order.affordance.motion
         return messages.Start(
             kind="human" if kind == "human" else "object",

@@ -12,6 +12,7 @@ from ahmss.algorithm import messages
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.database.records import AlgorithmEntry
+from ahmss.database.statefile import ONESELF
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 from ahmss.main.company import KIND, Body, parts, site_number
@@ -91,10 +92,13 @@ class Description:
     Args:
         entry: the algorithm, which says what it asks for.
         holds: what the acting human holds, and in which hand; that has no footprint, being in nobody's way.
+        acting: the acting human's name: of whom the state `oneself` is told.
     """
 
-    def __init__(self, workspace: Workspace, scene: Scene, entry: AlgorithmEntry, holds: Mapping[str, str]) -> None:
-        self._workspace, self._scene, self._entry = workspace, scene, entry
+    def __init__(
+        self, workspace: Workspace, scene: Scene, entry: AlgorithmEntry, holds: Mapping[str, str], acting: str = ""
+    ) -> None:
+        self._workspace, self._scene, self._entry, self._acting = workspace, scene, entry, acting
         self._held = tuple(name for name, hand in holds.items() if hand)
         self._within = tuple(f"{name}/" for name in self._held)
 
@@ -111,8 +115,14 @@ class Description:
         """An object without its shape."""
         record, pose = self._scene.objects[name], self._scene.pose(name)
         if record.kind == KIND:
-            return describe_human(self._workspace, self._scene, name)
+            return self._known(describe_human(self._workspace, self._scene, name))
         return describe(self._workspace, record, pose, self._footprint(name, record.kind, pose))
+
+    def _known(self, told: messages.ObjectRecord) -> messages.ObjectRecord:
+        """A human, with whether it is oneself."""
+        if told.name != self._acting:
+            return told
+        return msgspec.structs.replace(told, states={**told.states, ONESELF: "yes"})
 
     def _shape(self, kind: str) -> messages.ShapeRecord | None:
         """Where the shape of a kind is kept; None where it has none, or one that is broken or can't be kept."""
@@ -126,7 +136,7 @@ class Description:
         """The goal, with its object's footprint, or the way of who it is."""
         target = goal.object
         if target is not None and target.kind == KIND:
-            return msgspec.structs.replace(goal, object=self._with_way(target))
+            return msgspec.structs.replace(goal, object=self._with_way(self._known(target)))
         if target is None or not self._entry.footprints:
             return goal
         footprint = self._footprint(target.name, target.kind, np.array([*target.place, *target.rotation]))

@@ -32,7 +32,8 @@ def start_of(
     other = None
     if whom is not None:
         sites = {"eyes": SiteRecord((0.0, 0.0, 1.6), id=1 << 40)}
-        other = ObjectRecord(-2, "mari", "human", (*whom, 0.0), (1.0, 0.0, 0.0, 0.0), sites)
+        states = {"oneself": "yes"} if given.pop("oneself", False) else {}
+        other = ObjectRecord(-2, "mari", "human", (*whom, 0.0), (1.0, 0.0, 0.0, 0.0), sites, states=states)
     busy = given.pop("busy", [])
     return Start(
         kind="human", human=body.skeleton.to_record(), pose=PoseRecord.of(body.rotations, body.root), frames=frames,
@@ -223,3 +224,12 @@ def test_the_head_takes_longer_to_who_is_farther_aside(name: str) -> None:
     steps = multiply(conjugate(turned[:-1, INDEX["head"]]), turned[1:, INDEX["head"]])
     fastest = np.degrees(np.linalg.norm(to_rotation_vector(steps), axis=-1)).max()
     assert 3.0 < fastest < 3.5
+
+
+def test_one_bows_as_oneself_wherever_the_world_has_last_seen_one() -> None:
+    """Where one stands is known a frame late, and who has bent is elsewhere: it is no place to turn to."""
+    body, shown = made("ken", "bow", whom=(-0.3, 0.05), oneself=True)
+    assert len(shown) == round(60 * GESTURES["bow"].seconds)
+    with pytest.raises(AlgorithmError, match="behind the back"):
+        made("ken", "bow", whom=(-0.3, 0.05))
+    assert body.root[2] > 0.5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,24 @@ def listed(main: MainProcess, name: str) -> set[str]:
 def start_of(main: MainProcess, action: str, name: str = "aiko") -> StartMessage:
     database, scene = main.database, main.communication
     return database.start(database.order(Act(name, action), scene, main.actor), "human", scene, main.actor, 1, 60.0)
+
+
+def test_an_algorithm_is_told_whether_it_is_about_oneself(pair: tuple[MainProcess, MainProcess]) -> None:
+    ken, _ = pair
+    told = {name: start_of(ken, "bow", name).object for name in ("ken", "aiko")}
+    assert {name: thing.states.get("oneself") for name, thing in told.items() if thing is not None} == {
+        "ken": "yes", "aiko": None,
+    }  # fmt: skip
+
+
+def test_an_algorithm_is_told_what_each_hand_holds(pair: tuple[MainProcess, MainProcess]) -> None:
+    ken, _ = pair
+    ken.play(steps("add cup as mug at 0.3 0.5 0.8", "add chair at -2 0 0"))
+    number, scene = ken.communication.objects["mug"].id, ken.communication
+    actor = replace(ken.actor, holds={"mug": "left", "chair": ""})
+    start = ken.database.start(ken.database.order(Act("ken", "bow"), scene, actor), "human", scene, actor, 1, 60.0)
+    assert start.held == {"left": number}
+    assert start.busy == ["left"]
 
 
 def test_humans_are_listed_among_the_objects_with_what_they_afford(pair: tuple[MainProcess, MainProcess]) -> None:
