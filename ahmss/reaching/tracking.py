@@ -24,9 +24,9 @@ from ahmss.reaching.reacher import Reacher
 __all__ = ["Tracking", "speed_towards"]
 
 _FASTEST, _GAINS = np.radians(6.0), np.radians(1.2)  # of a joint in a frame, and from one frame to the next
-_NEARLY, _FULLY = 0.75, 0.95  # of the arm's length, on the way: from where on it is spared, and what it never is
+_NEARLY, _FULLY = 0.85, 0.96  # of the arm's length, on the way: from where on it is spared, and what it never is
 _AT_END, _STIFF = 0.985, 0.9995  # the same at either end, where it may be stretched as it must
-_BEGINS, _ENDS = 0.4, 0.3  # of the time, in which the one becomes the other
+_BEGINS, _ENDS = 0.5, 0.4  # of the time, in which the one becomes the other
 _BRAKES = 5.0  # frames, by which a hand that goes on as it does stays before its limits
 _ROUNDS = 3  # of finding the wrist's place for a hand that isn't turned as asked
 _SWINGS = np.radians(np.linspace(-70.0, 70.0, 57))  # of the elbow, that are tried
@@ -133,7 +133,8 @@ class Tracking:
         """A palm (7,) drawn in to where the arm isn't stiff.
 
         On the way that begins early and goes on softly: a place which the body only comes to is asked for beyond the
-        arm's length, and an arm that is stretched out for it has to turn back all at once.
+        arm's length, and an arm that is stretched out for it has to turn back all at once. It has ended when fingers
+        come round what they take: a hand that is drawn in there is in it.
         """
         reacher = self._reacher
         share = float(minimum_jerk(np.array([1.0 - time / _BEGINS, 1.0 - (1.0 - time) / _ENDS])).max())

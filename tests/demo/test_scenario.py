@@ -141,9 +141,12 @@ def it_moves_as_people_do(scenario: Scenario) -> None:
     assert 20.0 < joints.acceleration_max <= MOST_ACCELERATION, LINKS[joints.joint]
     assert joints.acceleration_p99 <= P99_ACCELERATION
     assert pop.degrees < MOST_POP, (LINKS[pop.joint], pop)
-    arms = np.degrees(np.linalg.norm(angular_steps(played.rotations[:, ARMS]), axis=-1))
-    assert arms.max() < FASTEST_ARM, np.unravel_index(arms.argmax(), arms.shape)
     assert drift(played) < 0.001
+
+
+def no_arm_is_flung(scenario: Scenario) -> None:
+    arms = np.degrees(np.linalg.norm(angular_steps(scenario.played.rotations[:, ARMS]), axis=-1))
+    assert 3.0 < arms.max() < FASTEST_ARM, np.unravel_index(arms.argmax(), arms.shape)
 
 
 def test_the_twelve_actions_are_made_in_their_order(scenario: Scenario) -> None:
@@ -198,9 +201,10 @@ def test_fingers_come_round_the_cup_that_they_take(scenario: Scenario) -> None:
 
 def test_it_moves_as_people_do_and_no_foot_slides(scenario: Scenario) -> None:
     it_moves_as_people_do(scenario)
+    no_arm_is_flung(scenario)
 
 
-def works_elsewhere(change: Varied, record: Path) -> None:
+def works_elsewhere(change: Varied, record: Path) -> Scenario:
     """The script as it was changed is carried out, and measured as the scenario itself is."""
     play(change.script, record, change.workspace)
     scenario = Scenario.read(record, change.human, change.cup, change.chair)
@@ -210,13 +214,14 @@ def works_elsewhere(change: Varied, record: Path) -> None:
     assert scenario.played.root[-1, 2] < 0.6  # it sits
     assert scenario.speed[scenario.from_lips < 0.08].max() > 0.3  # and drank while walking
     nothing_is_gone_through(scenario, change.workspace, every=6)
+    return scenario
 
 
 @pytest.mark.long
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", VARIATIONS)
 def test_the_same_script_works_elsewhere(name: str, tmp_path: Path) -> None:
-    works_elsewhere(varied(name, tmp_path), tmp_path / "varied.rec")
+    no_arm_is_flung(works_elsewhere(varied(name, tmp_path), tmp_path / "varied.rec"))
 
 
 @pytest.mark.long
