@@ -35,8 +35,12 @@ LED, WHOLE = np.radians([120.0, 358.0])  # of its turn, that the hand leads it; 
 TURNS_ALONG, LOOKS = (0.0, 0.2, 0.4, 0.6, 0.8), 6  # shares of its turn that the hand may make; how often that is judged
 PINCH = np.array([0.125, 0.045, -0.022])  # where the pads meet, in the hand: on, out of the palm, to the little finger
 ASIDE, TILT = np.radians([-20.0, 0.0, 20.0, 40.0, 60.0, 80.0]), np.radians([-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0])
+SHORT = 200.0  # what a metre costs by which the arm is too short
 FEWER, LITTLE = 4, 0.4  # every so many palms show whether a hand comes there; turning along so much
 GOES_OVER = 30  # frames in which the elbow comes back to where it was at the leaf
+
+
+NEARLY = 0.005  # metres that the hand may stop short of a leaf that can be brought nearer
 
 
 @dataclass(frozen=True)
@@ -49,14 +53,13 @@ class Leaf:
     frame: Transform
 
 
+Reached = tuple[Leaf, Reaching, Looking, Plan, float]
+
+
 def turn_page(task: HumanTask) -> Iterator[Array | HumanPose]:
     """Frames: the hand comes, takes the leaf, leads it over, lets it go, and goes back."""
     page, side = _page(task), "left" if task.hand == "right" else "right"
-    try:
-        leaf, reaching, gaze, plan, along = yield from _reached(task, side)
-    except AlgorithmError:  # held somewhere else than before the eyes, as what was just received is
-        task = yield from brought(task, "left" if side == "right" else "right", _reachable(task, side))
-        leaf, reaching, gaze, plan, along = yield from _reached(task, side)
+    task, (leaf, reaching, gaze, plan, along) = yield from _reached_or_brought(task, side)
     out = _out(leaf)
     palm = Transform(plan.palm[:3] - BEFORE * out, plan.palm[3:])
     links = list(fingers(side))
@@ -98,18 +101,36 @@ def _reachable(task: HumanTask, side: str) -> Callable[[Transform, Posture], boo
     return suits
 
 
-def _reached(task: HumanTask, side: str) -> Generator[Array, None, tuple[Leaf, Reaching, Looking, Plan, float]]:
+def _reached_or_brought(task: HumanTask, side: str) -> Generator[Array, None, tuple[HumanTask, Reached]]:
+    """The task, and how the free hand comes to the leaf; where it does not, as what was just received is held
+    elsewhere than before the eyes, after the other hand has brought it there (n, 260).
+
+    Raises:
+        AlgorithmError: the arm is too short for it, and the other can't bring it nearer.
+    """
+    try:
+        return task, (yield from _reached(task, side, NEARLY))
+    except AlgorithmError:
+        pass
+    try:
+        moved = yield from brought(task, "left" if side == "right" else "right", _reachable(task, side))
+    except AlgorithmError:  # there is no better place, so as near as it comes
+        return task, (yield from _reached(task, side))
+    return moved, (yield from _reached(moved, side))
+
+
+def _reached(task: HumanTask, side: str, most: float = np.inf) -> Generator[Array, None, Reached]:
     """The leaf as it lies now, and how the free hand comes to it: who, the gaze on its way, and as of `_planned`.
 
     Raises:
-        AlgorithmError: that arm is too short for it.
+        AlgorithmError: that arm is too short for it, or the hand stops more than `most` metres short of it.
     """
     leaf = _leaf(task)
     gaze = Looking(task, leaf.frame.place)
     yield gaze.alone()
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     palms = _palms(task, side, leaf)
-    plan, along = yield from _planned(task, reaching, palms, side, leaf, gaze, BEFORE * _out(leaf))
+    plan, along = yield from _planned(task, reaching, palms, side, leaf, gaze, BEFORE * _out(leaf), most)
     return leaf, reaching, gaze, plan, along
 
 
@@ -119,8 +140,9 @@ def _out(leaf: Leaf) -> Array:
 
 
 def _planned(
-    task: HumanTask, reaching: Reaching, palms: Array, side: str, leaf: Leaf, gaze: Looking, off: Array
-) -> Generator[Array, None, tuple[Plan, float]]:
+    task: HumanTask, reaching: Reaching, palms: Array, side: str, leaf: Leaf, gaze: Looking, off: Array,
+    most: float,
+) -> Generator[Array, None, tuple[Plan, float]]:  # fmt: skip
     """The plan of the hand that does not hold it, the trunk as it is: the book would go along. And how far the hand
     turns along with the leaf, of its turn: so that the arm has it easy all the way.
     """
@@ -130,8 +152,9 @@ def _planned(
     found: list[tuple[float, int, float]] = []
     for along in TURNS_ALONG:
         yield from gaze.if_there_is_time()
-        path = np.stack([_with_leaf(leaf, Transform.of(palms), float(angle), along).row() for angle in angles])
-        cost = discomfort(reacher, path, spine, present)[0].max(axis=0)
+        path = [_with_leaf(leaf, Transform.of(palms), float(angle), along).row() for angle in angles]
+        cost, _, missing = discomfort(reacher, np.stack([*path, palms + np.append(off, np.zeros(4))]), spine, present)
+        cost = (cost + SHORT * np.maximum(missing, 0.0)).max(axis=0)
         found.append((float(cost.min()), int(cost.argmin()), along))
     _, best, along = min(found)
     which, arm = yield from gaze.during(stretch_of(reacher, palms[best : best + 1], start, present, []))
@@ -139,6 +162,8 @@ def _planned(
     palm = palms[best + which] + np.append(off, np.zeros(4))
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
     plan = yield from gaze.during(reaching.way(reacher, (start, palm, arm), gaze.place, [], looked))
+    if float(np.linalg.norm(plan.palm[:3] - palm[:3])) > most:
+        raise AlgorithmError("the hand stops short of it")
     tell_missed(task, plan, palm)
     return plan, along
 

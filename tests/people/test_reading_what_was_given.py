@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, rotate
 from tests.demo.recorded import Recorded
 from tests.demo.scenario import states_of
@@ -72,3 +73,49 @@ def test_what_was_received_goes_with_the_hand_and_is_given_straight_back(tmp_pat
     assert np.ptp(at, axis=0).max() > 0.1  # it was drawn near
     assert np.linalg.norm(np.diff(inner, axis=0), axis=1).max() < 0.001
     assert np.ptp(inner, axis=0).max() < 0.01
+
+
+AGAIN = """
+add floor
+add table at 1.0 0 0 facing 180
+add manual at 0.55 0.0 0.88 facing 180
+human ken body ken at 0.2 0 facing 0
+human aiko body aiko at -1.6 0.3 facing 0
+ken: do manual take hand left
+sync
+ken: do aiko hand_over
+aiko: do ken receive
+sync
+aiko: do manual open
+sync
+aiko: do ken hand_over
+ken: do aiko receive
+sync
+ken: do manual turn
+"""
+
+
+def test_a_leaf_of_what_was_given_back_goes_with_thumb_and_finger(tmp_path: Path) -> None:
+    recording, mains = play(tmp_path, AGAIN)
+    assert [main["messages"] for main in mains] == [[], []]
+    ken = Recorded.read(recording, "ken", ("manual",))
+    turn = np.array([state.get("turn", 0.0) for state in states_of(recording, ("manual",))["manual"]], float)
+    has = np.array(ken.holders["manual"]) == "ken"
+    led = np.flatnonzero((turn > 0.001) & (turn < 0.3) & has)
+    assert len(led) > 25
+    hinge, corner, angle = (
+        np.array([0.0, -0.09, 0.0075]),
+        np.array([0.055, 0.084, 0.007]),
+        np.radians(358.0) * turn[led],
+    )
+    off = corner - hinge
+    swung = np.stack([
+        np.full(len(led), off[0]), np.cos(angle) * off[1] - np.sin(angle) * off[2],
+        np.sin(angle) * off[1] + np.cos(angle) * off[2],
+    ], axis=-1)  # fmt: skip
+    book = ken.object("manual")
+    at = book.place[led] + rotate(book.rotation[led], hinge + swung)
+    places, turned = ken.links
+    tips = [INDEX[f"left_{finger}_distal"] for finger in ("thumb", "index")]
+    pinch = np.mean([places[led, i] + rotate(turned[led, i], ken.skeleton.tips[i]) for i in tips], axis=0)
+    assert np.linalg.norm(pinch - at, axis=1).max() < 0.012
