@@ -29,15 +29,18 @@ class Handover:
         skeleton: of who walks.
         before: the old walk. seam: its frame that is the new one's frame 0.
         after: the new walk.
-        frames: in how many the new one takes over; the foot that swings must not have landed by then.
+        frames: by which one the new one has taken over; the foot that swings must not have landed by then.
+        since: the frame at which it begins to: up to there all is as it would have been.
     """
 
-    def __init__(self, skeleton: Skeleton, before: Shaping | Handover, seam: int, after: Shaping, frames: int) -> None:
+    def __init__(
+        self, skeleton: Skeleton, before: Shaping | Handover, seam: int, after: Shaping, frames: int, since: int = 0
+    ) -> None:
         self._skeleton, self._seam, self._after = skeleton, seam, after
         self._soles = np.stack([skeleton.soles, skeleton.soles * _MIRROR])
         self._mixed = min(frames, before.frames - seam, after.frames)
         self._before: Shaping | Handover | None = before
-        self._share = minimum_jerk(np.arange(self._mixed) / frames)
+        self._share = minimum_jerk((np.arange(self._mixed) - since) / (frames - since))
         self._level = after.level.copy()
         share, old = self._share[:, None], before.level[seam : seam + self._mixed]
         self._level[: self._mixed] = (1.0 - share) * old + share * self._level[: self._mixed]

@@ -23,7 +23,7 @@ from ahmss.walking.selection import Selection, bins, candidates, measured, selec
 from ahmss.walking.shaping import Shaped, Shaping
 from ahmss.walking.treading import Ends
 
-__all__ = ["SPOT", "Footing", "Journey", "Standing", "Stride", "footing", "journey", "onward", "stands_at", "stride_at"]
+__all__ = ["SPOT", "AtSeam", "Footing", "Journey", "Standing", "at_seam", "footing", "journey", "onward", "stands_at"]
 
 _FORWARD = np.array([1.0, 0.0, 0.0])
 _MIRROR = np.array([1.0, -1.0, 1.0])
@@ -166,8 +166,8 @@ def journey(
 
 
 @dataclass(frozen=True)
-class Stride:
-    """A walker in the middle of a walk, one foot about to land.
+class AtSeam:
+    """A walker in the middle of a walk, where two clips meet, one foot about to land.
 
     ahead: the foot that lands. place (2,), heading: of the line at the hips. ankles (2, 2), headings (2,): of the feet,
     the one that lands where it will stand. walk, frame: what it has walked so far, and where in it. rate: frames of the
@@ -184,7 +184,7 @@ class Stride:
     rate: float
 
 
-def stride_at(going: Journey, seam: int) -> Stride:
+def at_seam(going: Journey, seam: int) -> AtSeam:
     """The walker at an inner seam of a walk."""
     frame = going.seams[seam]
     root = going.nominal.root[frame]
@@ -194,12 +194,12 @@ def stride_at(going: Journey, seam: int) -> Stride:
     prints = [going.shaping.footprint(foot, frame) for foot in (0, 1)]
     ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
     rate = float(going.rates[frame - 1])
-    return Stride(ahead, place[0], float(heading[0]), ankles, headings, going.shaping, frame, rate)
+    return AtSeam(ahead, place[0], float(heading[0]), ankles, headings, going.shaping, frame, rate)
 
 
 def onward(
-    skeleton: Skeleton, library: Library, standing: Standing, now: Stride, course: Course, facing: float,
-    rate: float = 1.0, slow: float = 1.0,
+    skeleton: Skeleton, library: Library, standing: Standing, now: AtSeam, course: Course, facing: float,
+    rate: float = 1.0, slow: float = 1.0, since: int = 0,
 ) -> Journey:  # fmt: skip
     """Go on walking along another course, which begins at `now.place` in its heading.
 
@@ -212,6 +212,7 @@ def onward(
         facing: the heading at the goal, radians, world.
         rate: frames of the clips that pass in one when it need not make way.
         slow: the share of that rate at which it walks for the next two seconds.
+        since: how many frames ago it was there: it has gone on as before, and begins now to go the other way.
     """
     scale = standing.height / library.hip_height
     _, f, mirror = bins(0.0, np.degrees(_wrapped(facing - float(course.heading[-1]))))
@@ -230,7 +231,7 @@ def onward(
     )  # fmt: skip
     ends = Ends(now.ankles, now.headings, *_stood(standing, course.points[-1], facing))
     shaping = Shaping(skeleton, nominal, line, ends, standing.height)
-    over = Handover(skeleton, now.walk, now.frame, shaping, round(_TAKEN_OVER / max(now.rate, rate)))
+    over = Handover(skeleton, now.walk, now.frame, shaping, round(_TAKEN_OVER / max(now.rate, rate)), since)
     return Journey(chosen, over, line, nominal, rates, natural, natural, natural)
 
 

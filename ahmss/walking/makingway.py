@@ -27,6 +27,9 @@ _ASIDE = 0.1  # metres by which the other is taken to be more to the side on whi
 _PASSING = 1.5  # metres: who gets no nearer is not gone round
 _SLOWER = (0.85, 0.7)  # shares of the speed
 _TURNED, _LEFT, _SLOWED, _STOPPED, _LONGER = 0.3, 0.15, 1.6, 1.6, 0.6  # costs; the last one a metre
+_SERVES = 2.0  # what costs less serves: no more ways are looked for on that side
+_SHARP = 0.3  # what it costs to turn as sharply as one can
+_DODGED = 0.55  # metres to a side, out of the way of who is too near to be gone round
 _CHANGES = 1.2  # what it costs to pass on another side than one has begun to
 _HARD, _SOFT = 1.0, 0.6  # what a stop in less than so many metres costs more, a metre
 _RISK, _LASTING = 0.1, 0.5  # metres nearer than MET that cost 1, twice as many 4; and a second of it
@@ -38,6 +41,7 @@ _CLOSE, _TURNS, _TOUCHING = 0.78, 0.2, 0.42  # metres: who is so near may come s
 _COMMITTED, _SET_OUT = 0.5, 0.8  # m/s: slower ones may still call off a start; slower ones may go any way
 _LAG = 0.06  # seconds by which others are seen late: of two of whom either may be ahead then, both yield
 _OTHERWISE = 0.08  # metres by which a way that has been changed differs
+_BETTER = 0.03  # metres more room that one is to have by taking a way back
 _SLACK = 0.85  # seconds sooner or later, at which who stands lets who walks pass
 _REACHED = 1.7  # metres from one's way within which who sets out may come into it
 
@@ -116,7 +120,7 @@ def yields(own: Array, instead: Array, others: Sequence[Walker], before: Sequenc
         tie = _LAG * (speed + float(np.linalg.norm(other.velocity))) if speed > MOVING else 0.0
         if other.stays or other.precedes(own[0], tie):  # who has taken theirs back, and stays, can't once more
             near.append((least(own, [other]), other))
-    limit = min(SAFE, least(instead, others))
+    limit = min(SAFE, least(instead, others) - _BETTER)
     return [other for away, other in near if away < limit]
 
 
@@ -196,13 +200,13 @@ def options(
     for way, dear in sorted(ways.items(), key=lambda item: item[1]):
         if min(option.cost for option in found) < dear:
             break  # planning takes long, and would be of no use
-        course = _passing(rest, speed, others, around, way)
-        if course is None:
-            continue
-        dear += _LONGER * max(course.length - rest.length, 0.0)
-        for slow in (1.0, *_SLOWER):
-            cost = dear + _SLOWED * (1.0 - slow) + _risk(_ahead(course, slow * speed), others)
-            found.append(Option(course, slow, False, cost, way))
+        for course, sharp, speeds in _passing(rest, speed, others, around, way):
+            more = dear + sharp + _LONGER * max(course.length - rest.length, 0.0)
+            for slow in speeds:
+                cost = more + _SLOWED * (1.0 - slow) + _risk(_ahead(course, slow * speed), others)
+                found.append(Option(course, slow, False, cost, way))
+            if min(option.cost for option in found) < _SERVES:
+                break
     return sorted(found, key=lambda option: option.cost)
 
 
@@ -244,17 +248,27 @@ def _nearness(own: Array, other: Walker, counts: Array | float) -> float:
 def _passing(
     rest: Course, speed: float, others: Sequence[Walker],
     around: Callable[[Array, float, Sequence[tuple[float, float, float]]], Course], side: float,
-) -> Course | None:  # fmt: skip
-    """A way round those who are met, on the right where `side` is 1, else on the left; None: there is none."""
+) -> Iterator[tuple[Course, float, tuple[float, ...]]]:  # fmt: skip
+    """Ways round those who are met, on the right where `side` is 1, else on the left; what each costs for its bends,
+    and the shares of the speed at which it is walked.
+
+    After these some that only dodge to that side, for who is too near to be gone round.
+    """
     place, heading = rest.points[0], float(rest.heading[0])
     if rest.length < SHORTEST:
-        return None
-    since = place + 0.3 * np.array([np.cos(heading), np.sin(heading)])
-    try:
-        planned = around(since, heading, list(_circles(rest, speed, others, side)))
-    except NoWay:
-        return None
-    return turned_into(place, heading, planned)
+        return
+    ahead, aside = np.array([np.cos(heading), np.sin(heading)]), side * np.array([np.sin(heading), -np.cos(heading)])
+    circles = list(_circles(rest, speed, others, side))
+    for dodged, round_ in ((0.0, circles), (_DODGED, [])):
+        try:
+            planned = around(place + 0.3 * ahead + dodged * aside, heading, round_)
+        except NoWay:
+            continue
+        gentle, sharp = (turned_into(place, heading, planned, soon=soon) for soon in (False, True))
+        if gentle is not None:
+            yield gentle, 0.0, (1.0,) if dodged else (1.0, *_SLOWER)
+        if sharp is not None and (gentle is None or sharp.length != gentle.length):
+            yield sharp, _SHARP, (1.0,)
 
 
 def _circles(rest: Course, speed: float, others: Sequence[Walker], side: float) -> Iterator[tuple[float, float, float]]:

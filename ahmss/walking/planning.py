@@ -16,7 +16,8 @@ from ahmss.motion.way import AHEAD
 from ahmss.walking.course import Course, NoWay, plan
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, journey
 from ahmss.walking.library import RATE, Library
-from ahmss.walking.makingway import held_up, met
+from ahmss.walking.makingway import held_up, least, met
+from ahmss.walking.pacing import Paced
 from ahmss.walking.pieces import Ground
 from ahmss.walking.walkers import LOOKED, Walker
 
@@ -31,8 +32,10 @@ _STOPS_IN = 1.4  # seconds from the first step at which one may do otherwise unt
 _STANDS = 0.05  # metres in the last 0.4 s of a way: who tells that will stand there
 _WAITS = 1.5  # metres from one's way: who has waited long there may wait for oneself
 _ASIDE = 0.85  # metres that one steps aside for who wants to be where one is
+_COMING, _BETTER = 0.5, 0.1  # metres: who comes so near to one who stands is dodged, for so much more room
 _BESIDE = 1.0  # metres: out of who stands so near one keeps as out of things, in setting out
 _THICK, _THIN, _OWN = 0.34, 0.1, 0.27  # metres: how thick they are at the most, at the least; half of one's own width
+_SPOT, _BACK = 0.2, np.radians(110.0)  # metres in which who turns by more doubles back
 _RING = np.stack([[np.cos(a), np.sin(a)] for a in np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)])
 
 Circle = tuple[float, float, float]
@@ -105,6 +108,8 @@ class Planner:
                     continue
             else:
                 found = going
+            if _doubles_back(found.line.course):
+                continue
             own = beginning(found, 0)
             if found.line.course.length < SPOT or not held_up(own, others, nearer, begun=False, tired=tired):
                 return found
@@ -135,6 +140,29 @@ class Planner:
                     if course.length < 1.2 * _ASIDE and not held_up(beginning(away, 0), others, begun=False):
                         return away
         return None
+
+    def dodge(self, now: Footing, others: Sequence[Walker]) -> Journey | None:
+        """A step out of the way of who comes to where one stands; None: nobody does, or there is no better place.
+
+        Args:
+            now: where one stands. others: who is about.
+        """
+        stands = np.repeat(now.place[None], len(LOOKED), axis=0)
+        coming = [other for other in others if other.way is not None and least(stands, [other]) < _COMING]
+        if not coming:
+            return None
+        first = min(coming, key=lambda other: float(np.linalg.norm(other.place - now.place)))
+        way = first.after(AHEAD[-1]) - first.place
+        right = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+        best, room = None, least(stands, others) + _BETTER
+        for side in (_ASIDE * right, -_ASIDE * right):
+            with contextlib.suppress(NoWay):
+                course = self.course(now.place, now.heading, self.circles(now.place, others), now.place + side)
+                away = self._journey(now, course, now.heading)
+                near = least(beginning(away, 0), others)
+                if course.length < 1.2 * _ASIDE and near > room:
+                    best, room = away, near
+        return best
 
     def course(self, place: Array, heading: float, circles: Sequence[Circle] = (), goal: Array | None = None) -> Course:
         """The way from a place (2,) and heading to the goal, or another, round things and circles.
@@ -181,6 +209,12 @@ class Planner:
 
     def _journey(self, now: Footing, course: Course, facing: float, frames: int = 0) -> Journey:
         return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)
+
+
+def _doubles_back(course: Course | Paced) -> bool:
+    """Whether a way turns round almost on the spot, which nobody walks who can wait instead."""
+    _, heading = course.at(np.arange(0.0, course.length, _SPOT))
+    return len(heading) > 1 and bool(np.abs(np.diff(heading)).max() > _BACK)
 
 
 def ahead(going: Journey, made: int, seconds: float = LOOKED[-1]) -> Array:

@@ -19,17 +19,20 @@ from ahmss.motion.way import ways_of
 from ahmss.walking.clearing import held_arms
 from ahmss.walking.hesitating import back, last_moment
 from ahmss.walking.hindering import in_vain, waits
-from ahmss.walking.journey import SPOT, Footing, Journey, footing
+from ahmss.walking.journey import SPOT, AtSeam, Footing, Journey, at_seam, footing
 from ahmss.walking.library import RATE, Library
-from ahmss.walking.makingway import held_up, meets, yields
+from ahmss.walking.makingway import held_up, least, meets, yields
 from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, part, piece, repeated, standing_piece
 from ahmss.walking.planning import IMPATIENT, RADIUS, Planner, ahead, beginning
 from ahmss.walking.walkers import Walker
-from ahmss.walking.wayout import Pace, way_out
+from ahmss.walking.wayout import Pace, WayOut, way_out
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 _WINDOW = 7  # frames that a changed way is told before it is gone: twice as long as others may be seen late, and one
+_LOOKS = 3, 6, 9, 12, 15, 18, 21  # frames of a step after which one looks for who is suddenly in the way
+_SOON = 1.5  # seconds: who comes so soon is looked for in a step
+_SUDDEN, _NEWS = 0.6, 0.08  # metres: for who is to come so near one makes way at once, if by the latter it is news
 _AGAIN = 12  # frames after which who waits looks again
 _YIELDS = 1.0, 1.0, 2.5  # seconds after which one steps aside for who wants to be where one is, and again
 _TIRED = 6.0  # seconds after which one waits no more for who does hardly move
@@ -147,7 +150,14 @@ class Trip:
             the walk that it has become, and whether it is over.
         """
         seam, stopping = 0, False
+        here: AtSeam | None = None  # at the last seam
+        known = np.inf  # how near others were to come, as one came there
         while seam < len(going.seams) - 1:
+            if here is not None and not stopping:
+                way, made = yield from self._begun(going, seam, here, known)
+                if way is not None:
+                    made -= going.seams[seam]
+                    going, stopping, seam, here = self._on(way), way.stops, 0, way.here
             seam += 1
             end = going.seams[seam]
             step, made = piece(going, made, end), end
@@ -161,22 +171,56 @@ class Trip:
                 yield step  # of who tells nothing more is known the later it is
                 window = 0
             others = _later(self.others(), window)
-            way = None
+            way, here = None, at_seam(going, seam)
             if meets(ahead(going, end), others):
-                side = self._side if self._made - self._sided < _KEEPS * RATE else 0.0
-                way = way_out(self.planner, going, seam, others, replace(self._pace, left=self._left(window)), side)
+                way = self._way_out(going, seam, here, others, -window)
             if window:
                 if way is not None:
                     level = np.concatenate([going.shaping.level[: end + 1], way.going.shaping.level[1:]])
                     step = replace(step, ways=ways_of(level, end - window + 1, end + 1, RATE))
                 yield step
+            known = least(ahead(going, end) if way is None else ahead(way.going, 0), others)
             if way is None or (window and yields(ahead(way.going, 0), ahead(going, end), self.others(), others)):
                 continue
-            if way.side:
-                self._side, self._sided = way.side, self._made
-            self._pace = replace(self._pace, rate=way.rate)
-            going, stopping, seam, made = way.going, way.stops, 0, 0
+            going, stopping, seam, made, here = self._on(way), way.stops, 0, 0, way.here
         return going, not stopping
+
+    def _begun(
+        self, going: Journey, seam: int, here: AtSeam, known: float
+    ) -> Generator[Piece, None, tuple[WayOut | None, int]]:
+        """The first frames of a step, in which one looks for who is suddenly in the way: the walk can still be another.
+
+        Args:
+            going: the walk. seam: with which the step begins. here: the walker there.
+            known: how near others were to come (metres), when it was decided on.
+
+        Returns:
+            what it becomes, None: what it is; the last frame that was made.
+        """
+        begin = made = going.seams[seam]
+        if not self.others():
+            return None, made
+        for look in _LOOKS:
+            yield piece(going, made, begin + look)
+            made, others = begin + look, self.others()
+            if least(ahead(going, made, _SOON), others) < min(_SUDDEN, known - _NEWS):
+                way = self._way_out(going, seam, here, _later(others, -look), look)
+                if way is not None:
+                    return way, made
+        return None, made
+
+    def _way_out(self, going: Journey, seam: int, here: AtSeam, others: Sequence[Walker], since: int) -> WayOut | None:
+        """How one makes way for others at a seam, so many frames after it, or before, where it is negative."""
+        side = self._side if self._made - self._sided < _KEEPS * RATE else 0.0
+        pace = replace(self._pace, left=self._left(-since))
+        return way_out(self.planner, going, seam, here, others, pace, side, max(since, 0))
+
+    def _on(self, way: WayOut) -> Journey:
+        """The walk that one goes on with."""
+        if way.side:
+            self._side, self._sided = way.side, self._made
+        self._pace = replace(self._pace, rate=way.rate)
+        return way.going
 
     # Waiting
 
@@ -193,16 +237,17 @@ class Trip:
         while self._waited < _PATIENCE * RATE and self._taken < _TAKEN * RATE:
             if again == 0:
                 again = _AGAIN
-                if self._asides < len(_YIELDS) and stood >= _YIELDS[self._asides] * RATE:
+                away = self.planner.dodge(now, self.others())
+                if away is None and self._asides < len(_YIELDS) and stood >= _YIELDS[self._asides] * RATE:
                     away = self.planner.aside(now, self.others(), tired=self._waited > _STUCK * RATE)
-                    if away is not None:
-                        made, away = yield from self._set_in_motion(away)
-                        if made:
-                            self._asides += 1
-                            yield piece(away, made, away.seams[-1])
-                            stood = 0
-                        end = -1 if made else 0
-                        stands, now = standing_piece(away, end), footing_at(away, end)
+                    self._asides += away is not None
+                if away is not None:
+                    made, away = yield from self._set_in_motion(away)
+                    if made:
+                        yield piece(away, made, away.seams[-1])
+                        stood = 0
+                    end = -1 if made else 0
+                    stands, now = standing_piece(away, end), footing_at(away, end)
                 others = self.others()
                 window = _WINDOW if any(other.way is not None or other.stays for other in others) else 0
                 soon = _later(others, window)

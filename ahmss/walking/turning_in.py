@@ -22,10 +22,11 @@ def cut(course: Course, since: float, length: float) -> Course:
     return Course(points, heading, length)
 
 
-def turned_into(place: Array, heading: float, course: Course) -> Course | None:
+def turned_into(place: Array, heading: float, course: Course, *, soon: bool = False) -> Course | None:
     """A course that leaves a place in a heading and passes over into another one; None: it would bend too sharply.
 
-    The curve between is a quintic whose bend begins and ends at 0; it is as short as is gentle enough.
+    The curve between is a quintic whose bend begins and ends at 0; it is as short as is gentle enough, or, where one is
+    to be on the other course soon, as can be walked.
     """
     best: tuple[float, Course] | None = None
     for join in _JOINS:
@@ -36,7 +37,7 @@ def turned_into(place: Array, heading: float, course: Course) -> Course | None:
         bend = float(np.abs(np.gradient(made.heading, step)).max())
         if best is None or bend < 0.9 * best[0]:
             best = bend, made
-        if bend < _GENTLE:
+        if bend < (_SHARPEST if soon else _GENTLE):
             break
     return best[1] if best is not None and best[0] < _SHARPEST else None
 

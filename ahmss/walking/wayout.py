@@ -1,18 +1,19 @@
-"""How a walker makes way at the end of a step: which walk it becomes, past things, in steps that people make."""
+"""How a walker makes way at the end of a step, or in it: which walk it becomes, in steps that people make."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
+from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.walking.catalogue import STRAIGHT, Key, Stride
 from ahmss.walking.course import Course
-from ahmss.walking.journey import Journey, onward, stride_at
+from ahmss.walking.journey import AtSeam, Journey, onward
 from ahmss.walking.library import RATE
 from ahmss.walking.makingway import SAFE, Option, least, options
 from ahmss.walking.nominal import clip_of, length_of
@@ -25,9 +26,10 @@ __all__ = ["Pace", "WayOut", "way_out"]
 
 # The ends by which one stops, and to what share of their length.
 _STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("small", 1.0), ("normal", 1.0))
-_TRIED = 6  # ways out that are looked at closely
+_TRIED = 8  # ways out that are looked at closely
 _THINGS = 0.17  # metres from things that who makes way may come
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
+_JERKIEST = np.radians(6.0)  # by which a joint's turn from frame to frame may change from one frame to the next
 
 
 @dataclass(frozen=True)
@@ -49,39 +51,42 @@ class Pace:
 
 @dataclass(frozen=True)
 class WayOut:
-    """What a walk becomes: the new one, whether it stops, its rate, on which side it passes others (0: none)."""
+    """What a walk becomes: the new one, whether it stops, its rate, on which side it passes others (0: none), and how
+    the walker is where it begins.
+    """
 
     going: Journey
     stops: bool
     rate: float
     side: float
+    here: AtSeam
 
 
 def way_out(
-    planner: Planner, going: Journey, seam: int, others: Sequence[Walker], pace: Pace, side: float
-) -> WayOut | None:
+    planner: Planner, going: Journey, seam: int, here: AtSeam, others: Sequence[Walker], pace: Pace, side: float,
+    since: int = 0,
+) -> WayOut | None:  # fmt: skip
     """The walk from a seam on that makes way best; None: going on as it is is best.
 
     Of what comes too near to where others tell that they will be, or will be if they go on as they do, nothing is taken
     if there is anything else.
 
     Args:
-        planner: plans courses. going: the walk as it is. pace: of it.
+        planner: plans courses. going: the walk as it is. here: the walker at the seam. pace: of the walk.
         others: who is about when it has come to the seam.
         side: on which it has begun to pass them; 0: on neither.
+        since: how many frames ago it came there.
     """
-    stride, standing, library = stride_at(going, seam), planner.standing, planner.library
+    standing, library = planner.standing, planner.library
     scale = standing.height / library.hip_height
     straight = clip_of(library, STRAIGHT)
     speed = pace.rate * scale * length_of(straight) * RATE / straight.frames
-    since = float(going.line.along(going.nominal.root[going.seams[seam], :1])[0][0])
+    along = float(going.line.along(going.nominal.root[going.seams[seam], :1])[0][0])
     course = going.line.course
     if isinstance(course, Paced):
-        course, since = course.course, float(course.placed(since))
-    rest = cut(course, since, course.length - since)
-    stops = [
-        share * scale * length_of(clip_of(library, Key("end", 0, 0, size, stride.ahead))) for size, share in _STOPS
-    ]
+        course, along = course.course, float(course.placed(along))
+    rest = cut(course, along, course.length - along)
+    stops = [share * scale * length_of(clip_of(library, Key("end", 0, 0, size, here.ahead))) for size, share in _STOPS]
 
     def around(place: Array, heading: float, circles: Sequence[Circle]) -> Course:
         return planner.course(place, heading, [(x, y, apart - RADIUS) for x, y, apart in circles])
@@ -92,11 +97,11 @@ def way_out(
         if planner.facing is not None and not option.stops:
             facing = planner.facing
         rate = pace.rate
-        new = onward(planner.skeleton, library, standing, stride, option.course, facing, rate, option.slow)
+        new = onward(planner.skeleton, library, standing, here, option.course, facing, rate, option.slow, since)
         if pace.left and not option.stops:
             rate = pace.hurried(len(new.rates))
-            new = onward(planner.skeleton, library, standing, stride, option.course, facing, rate, option.slow)
-        return WayOut(new, option.stops, rate, option.side)
+            new = onward(planner.skeleton, library, standing, here, option.course, facing, rate, option.slow, since)
+        return WayOut(new, option.stops, rate, option.side, replace(here, walk=new.shaping, frame=0))
 
     ways = [way for other in others for way in (other, *other.may_walk())]
     own, tried = ahead(going, going.seams[seam]), 0
@@ -109,9 +114,9 @@ def way_out(
             if tried == _TRIED or (option.course is not rest and _touches(option.course, planner.things)):
                 continue
             found, tried = made(option), tried + 1
-            if not _natural(found.going, standing.height):
-                continue
             near = least(ahead(found.going, 0), ways)
+            if near <= nearest or not _natural(found.going, standing.height):
+                continue
         if near > nearest:
             best, nearest = found, near
         if near > SAFE:
@@ -121,12 +126,14 @@ def way_out(
 
 def _natural(going: Journey, height: float) -> bool:
     """Whether the next steps of a walk are such as a person makes whose hips are so high in standing, metres."""
-    root = going.shaping.part(0, min(going.shaping.frames, 2 * going.seams[1])).root
-    moved = np.diff(root, axis=0) * RATE
+    made = going.shaping.part(0, min(going.shaping.frames, 2 * going.seams[1]))
+    moved = np.diff(made.root, axis=0) * RATE
+    turned = to_rotation_vector(multiply(conjugate(made.rotations[:-1]), made.rotations[1:]))
     return bool(
-        root[:, 2].min() > _LOWEST * height
+        made.root[:, 2].min() > _LOWEST * height
         and np.linalg.norm(moved, axis=-1).max() < _FASTEST
         and np.linalg.norm(np.diff(moved, axis=0), axis=-1).max() * RATE < _HARDEST
+        and np.linalg.norm(np.diff(turned, axis=0), axis=-1).max() < _JERKIEST
     )
 
 

@@ -136,8 +136,8 @@ def test_who_tells_that_they_go_and_is_heard_of_no_more_is_taken_to_stand(make_s
             told[8::2] += 0.02
         task.see(np.concatenate([own, told]) if k <= 20 else own)
         ways.append(walkers(task)[0])
-    assert all(other.way is not None for other in ways[:30])
-    assert all(other.way is None and other.stays for other in ways[45:])
+    assert all(other.way is not None for other in ways[:25])
+    assert all(other.way is None and other.stays for other in ways[30:])
     np.testing.assert_allclose(ways[-1].place, [1.4, 1.0])
 
 

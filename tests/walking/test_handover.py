@@ -7,7 +7,7 @@ import pytest
 
 from ahmss.body.array import Array
 from ahmss.walking.course import Course
-from ahmss.walking.journey import Journey, onward, stride_at
+from ahmss.walking.journey import Journey, at_seam, onward
 from ahmss.walking.makingway import turned_into
 
 from . import measures as m
@@ -34,7 +34,7 @@ def ahead(place: Array, heading: float, length: float, towards: float = 0.0) -> 
 
 def both(going: Journey, seam: int, course: Course, rate: float, slow: float = 1.0) -> tuple[m.Walk, Journey]:
     """The old walk up to a seam and the new one from there."""
-    stride = stride_at(going, seam)
+    stride = at_seam(going, seam)
     new = onward(KEN.skeleton, m.library(), KEN.standing, stride, course, float(course.heading[-1]), rate, slow)
     first, then = going.shaping.part(0, going.seams[seam] + 1), new.shaping.part(1, new.shaping.frames)
     turned = np.concatenate([first.rotations, then.rotations])
@@ -51,7 +51,7 @@ def both(going: Journey, seam: int, course: Course, rate: float, slow: float = 1
 )
 def test_nothing_changes_suddenly(length: float, towards: float, slow: float, seam: int, frames: int) -> None:
     going = walk(frames)
-    stride = stride_at(going, seam)
+    stride = at_seam(going, seam)
     made, new = both(going, seam, ahead(stride.place, stride.heading, length, towards), stride.rate, slow)
     root = made.root
     assert m.hips_acceleration(made) < m.HIPS_ACCELERATION
@@ -67,7 +67,7 @@ def test_nothing_changes_suddenly(length: float, towards: float, slow: float, se
 @pytest.mark.parametrize(("length", "towards", "slow"), [(4.0, 0.8, 1.0), (0.5, 0.0, 1.0), (3.0, 0.0, 0.7)])
 def test_a_foot_that_touches_stands(length: float, towards: float, slow: float, seam: int, frames: int) -> None:
     going = walk(frames)
-    stride = stride_at(going, seam)
+    stride = at_seam(going, seam)
     made, _ = both(going, seam, ahead(stride.place, stride.heading, length, towards), stride.rate, slow)
     assert m.slid(made).max() < 0.001
     assert m.drift(made) < 0.001
@@ -80,16 +80,16 @@ def test_a_foot_that_touches_stands(length: float, towards: float, slow: float, 
 @pytest.mark.parametrize("slow", [0.67, 0.71, 0.8, 0.93])
 def test_whose_turn_it_is_is_known_at_any_pace(slow: float, seam: int) -> None:
     going = walk()
-    stride = stride_at(going, 1)
+    stride = at_seam(going, 1)
     course = ahead(stride.place, stride.heading, 4.5)
     slower = onward(KEN.skeleton, m.library(), KEN.standing, stride, course, 0.0, 1.0, slow)
     other = "left" if stride.ahead == "right" else "right"
-    assert stride_at(slower, seam).ahead == (other if seam % 2 else stride.ahead)
+    assert at_seam(slower, seam).ahead == (other if seam % 2 else stride.ahead)
 
 
 def test_who_goes_slower_goes_as_fast_again_after_a_while() -> None:
     going = walk()
-    stride = stride_at(going, 1)
+    stride = at_seam(going, 1)
     course = ahead(stride.place, stride.heading, 20.0)
     rates = onward(KEN.skeleton, m.library(), KEN.standing, stride, course, 0.0, 1.0, 0.7).rates
     assert rates[0] == 1.0
@@ -102,7 +102,7 @@ def test_it_is_the_same_in_parts() -> None:
     makes = []
     for sizes in ((400,), (7, 20, 5, 60, 400)):
         going = walk()
-        stride = stride_at(going, 2)
+        stride = at_seam(going, 2)
         new = onward(
             KEN.skeleton, m.library(), KEN.standing, stride, ahead(stride.place, stride.heading, 2.0, 0.5), 0.5
         )

@@ -11,7 +11,7 @@ import pytest
 import ahmss
 from ahmss.body.skeleton import Skeleton
 from ahmss.walking.course import Course, plan
-from ahmss.walking.journey import Journey, Standing, footing, journey, onward, stride_at
+from ahmss.walking.journey import Journey, Standing, at_seam, footing, journey, onward
 from ahmss.walking.library import Library, load
 from ahmss.walking.shaping import Shaped, Shaping
 from ahmss.walking.treading import Ends
@@ -81,7 +81,7 @@ def test_a_walk_that_goes_on_otherwise_is_the_same_in_parts(library: Library) ->
     standing = Standing.of(KEN, library)
     going = walk(library, (6.0, 0.0), 0.0)
     going.shaping.part(0, going.seams[2] + 1)
-    stride = stride_at(going, 2)
+    stride = at_seam(going, 2)
     whole = walk(library, (6.0, 0.0), 0.0).shaped
     stands = [one.at(going.seams[2])[0] for one in whole.footprints]
     assert np.abs(stride.ankles - stands).max() < 1e-9
