@@ -137,6 +137,9 @@ def serve(function: Function, channel: Channel) -> None:
     kind = Kind.POSE if performance.task.message.kind == "human" else Kind.OBJECT
     try:
         while (message := channel.read()) is not None and message[0] != Kind.STOP:
+            if message[0] == Kind.REST:
+                performance.task.rests = True
+                continue
             if message[0] != Kind.FRAME:
                 raise ProtocolError(f"a message of kind {message[0]} where FRAME or STOP was expected")
             if not performance.step(_numbers(message[1])):

@@ -26,7 +26,7 @@ __all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Note",
 _FRAME_NUMBER = struct.Struct("<d")
 _POSE_BYTES = (8 * size(POSE), 8 * size(POSE + WAY))
 _OBJECT_BYTES = (8 * size(OBJECT),)
-_STOP = encode(Kind.STOP)
+_STOP, _REST = encode(Kind.STOP), encode(Kind.REST)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
 _LOG_EACH = 8  # times that it is tended, to one look at its log
 _LONGEST_LINE = 4096  # bytes of a text that are read
@@ -185,6 +185,11 @@ class AlgorithmProcess:
             self._told = True
             raise self.failure
         return []
+
+    def rest(self) -> None:
+        """Ask it to bring its motion to rest, and then to say that it is done: only of one that can."""
+        if self.active:
+            self._outbound.send(_REST)
 
     def stop(self) -> None:
         """Ask it to end: STOP and the end of its input now, SIGTERM and SIGKILL later where that does not help."""

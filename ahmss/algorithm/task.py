@@ -67,6 +67,7 @@ class Task:
     rate: frames a second. hand: "right", "left" or "". hold: what the action does to the object. random: numpy's
     generator, seeded by main. object: the target, or None. world: the other objects that algorithm.toml asked for, by
     id. notes: what `note` was told. start: the human at frame 0; present: at the frame being computed.
+    rests: whether the motion is to come to rest now and end, where its algorithm.toml says that it can.
     """
 
     def __init__(self, start: Start) -> None:
@@ -79,6 +80,7 @@ class Task:
         self.directory = Path(start.directory)
         self.object = WorldObject.of(start.object) if start.object is not None else None
         self.notes: list[str] = []
+        self.rests = False
         self.world = {record.id: WorldObject.of(record) for record in start.world}
         about = [thing for thing in (self.goal_object, self.object) if thing is not None]
         self._about = {thing.id: thing for thing in about}

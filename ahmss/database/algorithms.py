@@ -54,6 +54,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     carries: bool = False
     accompanies: bool = False
     stretches: bool = False
+    rests: bool = False
     parameters: dict[str, dict[str, Any]] = {}
 
 
@@ -131,7 +132,7 @@ class AlgorithmFinder:
         argv = self._argv(document, top.argv)
         if top.ways and not top.humans:
             raise document.error(("ways",), "asks where the other humans mean to be; add `humans = true`")
-        body = (top.carries, top.accompanies, top.ways, top.stretches)
+        body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests)
         asks = (top.world, top.footprints, top.humans, top.shape, *body)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 

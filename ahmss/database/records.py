@@ -54,7 +54,8 @@ class Affordance(msgspec.Struct, frozen=True):
 
     asks: what the dialogue asks besides the number of frames, of goal_position, facing, goal_posture, hand.
     frames: how many it takes if nobody says; 0: the algorithm ends it itself.
-    needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands and full_hands (0 to 2).
+    needs: what the human must have: reach (highest grip, metres), stature (metres), free_hands and full_hands (0 to 2),
+        standing (1: who sits on something stands up from it first).
     hold: "" (an object algorithm claims the object for the motion only), "take" (the object is claimed and its
     algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go); of a human "give"
     (what is in the hand becomes theirs) and "receive" (what they hold becomes one's own).
@@ -134,6 +135,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
     stretches: whether it takes longer than its action's frames, where these are too few and nobody asks for so many.
+    rests: whether its motion comes to rest where it is to be given up, rather than to end with the next frame.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -151,6 +153,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     accompanies: bool = False
     ways: bool = False
     stretches: bool = False
+    rests: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -30,6 +30,7 @@ from ahmss.world.link import Pending
 __all__ = ["Control"]
 
 _SEEN = 6  # frames after which it is seen who was first
+_RESTS = 4.0  # seconds in which a motion that is given up comes to rest
 _RELUCTANT = 5.0  # seconds that a hand which has closed on what it is given waits for the other to let go
 
 
@@ -102,9 +103,17 @@ class Control:
             self._motions.append(Motion(order, self._number, before))
 
     def stop(self) -> None:
-        """Give up all motions; what is in the hand stays there."""
+        """Give up all motions, at once or, of such as can, as they have come to rest; what is in the hand stays there.
+
+        Given up once more, those end at once, too.
+        """
         for motion in list(self._motions):
-            self._drop(motion)
+            rests = motion.given is not None and motion.order.human_algorithm.rests and motion.rests is None
+            if rests and motion.process is not None and motion.process.active:
+                motion.rests = round(_RESTS * self._rate)
+                motion.process.rest()
+            else:
+                self._drop(motion)
 
     def reconcile(self) -> None:
         """Give up what the server says this human has no longer, as after a restart that lost the claim."""
@@ -135,6 +144,10 @@ class Control:
                 self._take_back(mover)
         for motion in list(self._motions):
             self._check_company(motion)
+            if motion.rests is not None:
+                motion.rests -= 1
+                if motion.rests < 0:
+                    self._drop(motion)
             if motion.passes is not None:
                 self._go_on_passing(motion)
         for motion in list(self._motions):

@@ -154,7 +154,7 @@ class Motion:
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame.
         closing: it would be over, but the algorithm of what it moves is late. held: how many frames came too late.
-        waited: for how many frames another has had what it is about.
+        waited: for how many frames another has had what it is about. rests: for how many more it may come to rest.
     """
 
     def __init__(self, order: Order, number: int, follows: Motion | None = None) -> None:
@@ -170,6 +170,7 @@ class Motion:
         self.carried = False
         self.over = self.closing = False
         self.failed = False
+        self.rests: int | None = None
         self.held = self.waited = 0
 
     @property

@@ -25,7 +25,7 @@ from ahmss.walking.makingway import held_up, least, meets, yields
 from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, part, piece, repeated, standing_piece
 from ahmss.walking.planning import IMPATIENT, RADIUS, Planner, ahead, beginning
 from ahmss.walking.walkers import Walker
-from ahmss.walking.wayout import Pace, WayOut, way_out
+from ahmss.walking.wayout import Pace, WayOut, halted, way_out
 
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
@@ -55,6 +55,7 @@ class Trip:
         others: tells who else is on the floor now.
         note: is told, in one sentence, what a person should know.
         held: the sides whose arms stay as they are, for what is in their hands.
+        rests: tells whether one is to stop where one is, and stand.
     """
 
     skeleton: Skeleton
@@ -66,6 +67,7 @@ class Trip:
     others: Callable[[], Sequence[Walker]] = lambda: ()
     note: Callable[[str], None] = lambda _: None
     held: Sequence[str] = ()
+    rests: Callable[[], bool] = lambda: False
     planner: Planner = field(init=False)
 
     def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
@@ -90,12 +92,13 @@ class Trip:
             yield made
 
     def _pieces(self, now: Footing) -> Iterator[Piece]:
-        going, over = self.planner.walk(now, frames=self.frames), False
+        going: Journey | None = self.planner.walk(now, frames=self.frames)
+        over = False
         self._say_frames(going)
         self._pace = Pace(1.0, going.natural / going.most, going.natural / going.fewest)
         if self.others():
             going = yield from self._wait(standing_piece(going, 0), now)
-        while not over:
+        while going is not None and not over:
             made, going = yield from self._set_in_motion(going)
             if made:
                 self._waited, self._pace = 0, replace(self._pace, rate=float(going.rates[0]))
@@ -133,9 +136,12 @@ class Trip:
         yield replace(piece(going, 0, made), meanwhile=clearing)
         own, others = beginning(going, made), self.others()
         guessed = [other for other in others if other.way is None]
-        if going.line.course.length < SPOT or not (
-            held_up(own, guessed, self._nearer(guessed), begun=True, tired=self._tired)
-            or yields(own, _stays(own), others, _later(before, made))
+        if not self.rests() and (
+            going.line.course.length < SPOT
+            or not (
+                held_up(own, guessed, self._nearer(guessed), begun=True, tired=self._tired)
+                or yields(own, _stays(own), others, _later(before, made))
+            )
         ):
             return made, clearing.walk()
         rotations, root, ankles, feet = back(self.skeleton, going, made)
@@ -172,6 +178,11 @@ class Trip:
                 window = 0
             others = _later(self.others(), window)
             way, here = None, at_seam(going, seam)
+            if self.rests():
+                if window:
+                    yield step
+                going, stopping, seam, made = halted(self.planner, going, seam, here, self._pace).going, True, 0, 0
+                continue
             if meets(ahead(going, end), others):
                 way = self._way_out(going, seam, here, others, -window)
             if window:
@@ -224,8 +235,8 @@ class Trip:
 
     # Waiting
 
-    def _wait(self, stands: Piece, now: Footing) -> Generator[Piece, None, Journey]:
-        """Stand until the way is free, if it is not; the walk from there.
+    def _wait(self, stands: Piece, now: Footing) -> Generator[Piece, None, Journey | None]:
+        """Stand until the way is free, if it is not; the walk from there, None where one is to stay.
 
         One goes the nearer to others the longer one has stood. Who stands where another wants to be, and is to go
         second, steps aside.
@@ -235,6 +246,8 @@ class Trip:
         """
         stood, again = 0, 0
         while self._waited < _PATIENCE * RATE and self._taken < _TAKEN * RATE:
+            if self.rests():
+                return None
             if again == 0:
                 again = _AGAIN
                 away = self.planner.dodge(now, self.others())

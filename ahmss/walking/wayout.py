@@ -22,7 +22,7 @@ from ahmss.walking.planning import RADIUS, Circle, Planner, ahead
 from ahmss.walking.turning_in import cut
 from ahmss.walking.walkers import Walker
 
-__all__ = ["Pace", "WayOut", "way_out"]
+__all__ = ["Pace", "WayOut", "halted", "way_out"]
 
 # The ends by which one stops, and to what share of their length.
 _STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("small", 1.0), ("normal", 1.0))
@@ -77,51 +77,79 @@ def way_out(
         side: on which it has begun to pass them; 0: on neither.
         since: how many frames ago it came there.
     """
-    standing, library = planner.standing, planner.library
-    scale = standing.height / library.hip_height
-    straight = clip_of(library, STRAIGHT)
-    speed = pace.rate * scale * length_of(straight) * RATE / straight.frames
-    along = float(going.line.along(going.nominal.root[going.seams[seam], :1])[0][0])
-    course = going.line.course
-    if isinstance(course, Paced):
-        course, along = course.course, float(course.placed(along))
-    rest = cut(course, along, course.length - along)
-    stops = [share * scale * length_of(clip_of(library, Key("end", 0, 0, size, here.ahead))) for size, share in _STOPS]
+    on = _Onward(planner, going, seam, here, pace, since)
 
     def around(place: Array, heading: float, circles: Sequence[Circle]) -> Course:
         return planner.course(place, heading, [(x, y, apart - RADIUS) for x, y, apart in circles])
-
-    def made(option: Option) -> WayOut:
-        """The walk that an option is, as quick as the frames that are left want it after it has been slow."""
-        facing = float(option.course.heading[-1])
-        if planner.facing is not None and not option.stops:
-            facing = planner.facing
-        rate = pace.rate
-        new = onward(planner.skeleton, library, standing, here, option.course, facing, rate, option.slow, since)
-        if pace.left and not option.stops:
-            rate = pace.hurried(len(new.rates))
-            new = onward(planner.skeleton, library, standing, here, option.course, facing, rate, option.slow, since)
-        return WayOut(new, option.stops, rate, option.side, replace(here, walk=new.shaping, frame=0))
 
     ways = [way for other in others for way in (other, *other.may_walk())]
     own, tried = ahead(going, going.seams[seam]), 0
     best: WayOut | None = None
     nearest = -np.inf
-    for option in options(own, rest, stops, speed, others, around, side):
-        if option.course is rest and option.slow == 1.0:
+    for option in options(own, on.course, on.stops, on.speed, others, around, side):
+        if option.course is on.course and option.slow == 1.0:
             found, near = None, least(own, ways)
         else:
-            if tried == _TRIED or (option.course is not rest and _touches(option.course, planner.things)):
+            if tried == _TRIED or (option.course is not on.course and _touches(option.course, planner.things)):
                 continue
-            found, tried = made(option), tried + 1
+            found, tried = on.made(option), tried + 1
             near = least(ahead(found.going, 0), ways)
-            if near <= nearest or not _natural(found.going, standing.height):
+            if near <= nearest or not _natural(found.going, planner.standing.height):
                 continue
         if near > nearest:
             best, nearest = found, near
         if near > SAFE:
             break
     return best
+
+
+def halted(planner: Planner, going: Journey, seam: int, here: AtSeam, pace: Pace) -> WayOut:
+    """The walk that stops as soon as a person would after a seam; arguments as of `way_out`."""
+    on = _Onward(planner, going, seam, here, pace, 0)
+    ways = [on.made(Option(cut(on.course, 0.0, length), 1.0, True, 0.0)) for length in on.stops]
+    return next((way for way in ways if _natural(way.going, planner.standing.height)), ways[-1])
+
+
+class _Onward:
+    """What a walk may become from a seam on.
+
+    course: what is left of it. stops: in how many metres one can stop. speed: at which one goes on, m/s.
+
+    Args:
+        planner, going, seam, here, pace, since: as of `way_out`.
+    """
+
+    def __init__(self, planner: Planner, going: Journey, seam: int, here: AtSeam, pace: Pace, since: int) -> None:
+        self._planner, self._here, self._pace, self._since = planner, here, pace, since
+        library = planner.library
+        scale, straight = planner.standing.height / library.hip_height, clip_of(library, STRAIGHT)
+        self.speed = pace.rate * scale * length_of(straight) * RATE / straight.frames
+        along = float(going.line.along(going.nominal.root[going.seams[seam], :1])[0][0])
+        course = going.line.course
+        if isinstance(course, Paced):
+            course, along = course.course, float(course.placed(along))
+        self.course = cut(course, along, course.length - along)
+        ends = [(clip_of(library, Key("end", 0, 0, size, here.ahead)), share) for size, share in _STOPS]
+        self.stops = [share * scale * length_of(end) for end, share in ends]
+
+    def made(self, option: Option) -> WayOut:
+        """The walk that an option is, as quick as the frames that are left want it after it has been slow."""
+        facing = float(option.course.heading[-1])
+        if self._planner.facing is not None and not option.stops:
+            facing = self._planner.facing
+        rate = self._pace.rate
+        new = self._walk(option, facing, rate)
+        if self._pace.left and not option.stops:
+            rate = self._pace.hurried(len(new.rates))
+            new = self._walk(option, facing, rate)
+        return WayOut(new, option.stops, rate, option.side, replace(self._here, walk=new.shaping, frame=0))
+
+    def _walk(self, option: Option, facing: float, rate: float) -> Journey:
+        planner = self._planner
+        return onward(
+            planner.skeleton, planner.library, planner.standing, self._here, option.course, facing, rate, option.slow,
+            self._since,
+        )  # fmt: skip
 
 
 def _natural(going: Journey, height: float) -> bool:

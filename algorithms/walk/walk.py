@@ -38,7 +38,7 @@ def walk(task: HumanTask) -> Iterator[Array]:
         return
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, task.length, partial(walkers, task),
-        task.note, task.busy,
+        task.note, task.busy, lambda: task.rests,
     )  # fmt: skip
     tucking = Tucking(task)
     for piece in trip.pieces(task.start.rotations, task.start.root):
