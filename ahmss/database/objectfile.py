@@ -35,7 +35,7 @@ EVERYTHING = "everything.toml"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 Place = tuple[str | int, ...]
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "inch": 0.0254, "foot": 0.3048}
-_NEEDS = {"reach", "stature", "free_hands", "full_hands"}
+_NEEDS = {"reach", "stature", "free_hands", "full_hands", "standing"}
 _PARTS = ("eyes", "right_palm", "left_palm", *LINKS)
 
 

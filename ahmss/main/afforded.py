@@ -119,6 +119,9 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
         "free_hands": 2.0 - len(set(actor.holds.values()) - {""}),
         "full_hands": float(len(set(actor.holds.values()) - {""})),
     }
+    seats = [name for name, hand in actor.holds.items() if not hand]
+    if seats and affordance.needs.get("standing", 0.0) > 0.0:
+        return f"one must stand for that; `do {seats[0]} stand_up` first"
     for need, least in affordance.needs.items():
         if has.get(need, math.inf) < least - 1e-9:
             return f"needs {need} {least:g}; {actor.name} has {has[need]:.4g}"

@@ -13,7 +13,7 @@ from ahmss.body.array import Array
 from ahmss.database import Workspace
 from ahmss.database.check import check
 from ahmss.errors import CommandError, DataError
-from ahmss.main.afforded import Actor
+from ahmss.main.afforded import Actor, meant, why_not
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.database import Database
@@ -73,6 +73,16 @@ def test_what_another_holds_and_what_full_hands_can_not_do_is_no_choice() -> Non
     assert "sit" in actions(room, "chair", ken(a="right", b="left"))
     assert "open" not in actions(room, "door", ken(a="right", b="left"))
     assert "open" in actions(room, "door", ken(a="right"))
+
+
+def test_who_sits_is_told_to_stand_up_from_their_seat_rather_than_raised_in_place() -> None:
+    room = Room()
+    assert "stand" in actions(room, "floor", ken(room__cup="right"))
+    sits = ken(room__chair="")
+    assert "stand" not in actions(room, "floor", sits)
+    assert "reach" in actions(room, "floor", sits)
+    what = meant(SHIPPED, room, "room/floor", "stand")  # type: ignore[arg-type]
+    assert why_not(what, sits) == "room/floor stand: one must stand for that; `do room/chair stand_up` first"
 
 
 def test_a_door_that_is_open_can_only_be_closed() -> None:
