@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.castors import heading_of, must_stand, rolled_to, seat_of
+from ahmss.algorithm.castors import Seated, heading_of, must_stand, rolled_to, seat_of
 from ahmss.algorithm.controls import begun_at
 from ahmss.algorithm.reaching import prisms_of
+from ahmss.algorithm.seat_room import in_its_room
 from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
@@ -85,6 +86,9 @@ def sit(task: HumanTask) -> Iterator[Array]:
     walk_library(task)
     stand = task.object.site("stand", task.start.root)
     goal = Goal(stand.place[:2], facing_of(stand.rotation))
+    if taken := in_its_room(task, task.object):
+        out = f"`do {_name(task)} draw_out` first" if Seated(task.object).castors else "move one of them first"
+        raise AlgorithmError(f"{_name(task)} is drawn up to {taken}, there is no room to sit down on it; {out}")
     yield from _free(task, Stance(task.start.rotations, task.start.root))
     stance = yield from stepped(task, goal, ground_of(task), near=NEAR, most=MOST, to=task.object.name)
     yield from _free(task, stance)
