@@ -51,7 +51,7 @@ _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at 
 _AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
 _ASIDE = 0.14  # metres that the hand's own side is before the control
 _BESIDE = tuple(
-    itertools.product((0.3, 0.42, 0.5, 0.56), (0.54, 0.62, 0.46, 0.38))
+    itertools.product((0.3, 0.42, 0.5, 0.56, 0.62), (0.54, 0.62, 0.46, 0.38))
 )  # the same two, beside who stands there
 _ROOM, _STANDING = 0.66, 0.1  # metres between the middles of two who stand side by side; m/s: who is slower stands
 _AT_EASE, _FROM_HERE = (
@@ -135,7 +135,17 @@ def stood_before(
     elif here.stretched < _FROM_HERE and here.found and _faces(task):
         return task, gaze
     stand = yield from gaze.during(_best_stand(task, goal, prisms))
-    return (yield from gone_to(task, stand, gaze))
+    try:
+        return (yield from gone_to(task, stand, gaze))
+    except AlgorithmError:
+        if not is_taken(stand, standing(task)):
+            raise
+        task = begun_at(task, task.present.rotations, task.present.root)  # they came meanwhile: one goes beside them
+        gaze = Looking(task, goal.place)
+        there = yield from gaze.during(_best_stand(task, goal, prisms))
+        if is_taken(there, standing(task)):
+            raise
+    return (yield from gone_to(task, there, gaze))
 
 
 def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
@@ -145,12 +155,14 @@ def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Arra
         AlgorithmError: it is too far, or nobody gets there.
     """
     assert task.object is not None
-    steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=task.object.name)
-    tucking, rotations = Tucking(task, first=0), task.start.rotations.copy()
+    steps = stepped(
+        task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=task.object.name, arms=Tucking(task, first=0)
+    )
+    rotations = task.start.rotations.copy()
     watching = Sighting(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
     while True:
         try:
-            rows = tucking.over(next(steps))
+            rows = next(steps)
         except StopIteration as end:
             held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy))] if task.busy else []
             rotations[held] = end.value.rotations[held]
@@ -203,18 +215,28 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
     stand, taken = found[0], standing(task)
     if is_taken(stand, taken):
         beside_them = yield from _easiest(task, goal, _BESIDE, taken)
-        if beside_them is not None and beside_them[1].found and beside_them[1].stretched < _FROM_HERE:
-            return beside_them[0]
-    reaching = stance_at(task, stand)
-    reacher = yield from reaching.better_side(goal, _sides(task, goal))
-    _, _, arm = yield from reaching.posture(reacher, goal, prisms)
+        if beside_them is not None:
+            there, arm = beside_them
+            if arm.found and arm.stretched < _FROM_HERE:
+                return there
+            if (yield from _leant(task, there, goal, prisms))[1].missing <= MOST_MISSING:
+                return there
+    side, arm = yield from _leant(task, stand, goal, prisms)
     if arm.missing > MOST_MISSING:
         x, y = stand.place.tolist()
         raise AlgorithmError(
-            f"{task.object.name} is out of reach: the {reacher.side} arm is {arm.missing:.2f} m too short for it, even "
+            f"{task.object.name} is out of reach: the {side} arm is {arm.missing:.2f} m too short for it, even "
             f"from where one stands nearest to it, at {x:.2f} {y:.2f}; have somebody taller do it, or move it"
         )
     return stand
+
+
+def _leant(task: HumanTask, stand: goals.Goal, goal: Goal, prisms: Sequence[Prism]) -> Steps[tuple[str, Stretch]]:
+    """The better arm of who would stand there, and how it comes to the goal, leaning."""
+    reaching = stance_at(task, stand)
+    reacher = yield from reaching.better_side(goal, _sides(task, goal))
+    _, _, arm = yield from reaching.posture(reacher, goal, prisms)
+    return reacher.side, arm
 
 
 def _easiest(

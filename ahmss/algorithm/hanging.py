@@ -38,6 +38,7 @@ class Hanging:
     def __init__(self, skeleton: Skeleton, side: str, rate: float) -> None:
         self._reacher, self._rate = Reacher.of(skeleton, side), rate
         self._aside = Aside(rate)
+        self._after: list[Aside] = []  # as it was after each frame of the last piece
 
     @property
     def still(self) -> bool:
@@ -46,7 +47,12 @@ class Hanging:
 
     def forget(self) -> None:
         """The arm is another motion's now."""
-        self._aside = Aside(self._rate)
+        self._aside, self._after = Aside(self._rate), []
+
+    def back(self, count: int) -> None:
+        """Go on as after so many frames of the last piece."""
+        if self._after:
+            self._aside = self._after[count - 1]
 
     def over(self, prisms: Sequence[Prism], rotations: Array, root: Array) -> Array:
         """Put the arm of poses (n, 43, 4), (n, 3) where no skin is in things; how far it is aside (n,), 0 to 1."""
@@ -59,9 +65,11 @@ class Hanging:
         gap = (clearance(prisms, points, room) - radii).min(axis=-1) - AIR if prisms else np.full(len(points), np.inf)
         under = [~prism.over(root) for prism in prisms]
         moved = np.zeros((len(rotations), 3))
+        self._after = []
         for k in range(len(moved)):
             ahead = k + np.array(_AHEAD)
             if self.still and gap[ahead].min() > 0.0:
+                self._after.append(self._aside.copy())
                 continue
             low, high = points[ahead].min(axis=(0, 1)) - room - _FAR, points[ahead].max(axis=(0, 1)) + room + _FAR
             own = points[k] + self._aside.moved
@@ -71,6 +79,7 @@ class Hanging:
                 if beside[k] and prism.meets(low, high) and not _deep_in(prism, own)
             ]
             moved[k] = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
+            self._after.append(self._aside.copy())
         shares = np.minimum(np.linalg.norm(moved, axis=-1) / _ALL, 1.0)
         (aside,) = np.nonzero(shares)
         if len(aside):

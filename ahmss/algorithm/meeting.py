@@ -15,7 +15,7 @@ from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.pose import HumanPose
 from ahmss.algorithm.reaching import HEAD
-from ahmss.algorithm.stepping import ground_of, rows_of, walk_library, walkers
+from ahmss.algorithm.stepping import ground_of, in_time, rows_of, walk_library, walkers
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
@@ -80,7 +80,7 @@ def come_to(
         for piece in trip.pieces(task.present.rotations.copy(), task.present.root.copy()):
             rows = rows_of(task, piece)
             rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
-            yield rows
+            yield from in_time(piece, rows)
 
 
 def _distance(task: HumanTask, whom: WorldObject) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 import shapely
@@ -24,6 +25,7 @@ from ahmss.motion.way import staying
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.library import Library
+from ahmss.walking.pieces import LOOKS
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 __all__ = [
@@ -47,6 +49,18 @@ class Stance:
 
     rotations: Array
     root: Array
+
+
+class Arms(Protocol):
+    """What moves the arms of who walks, from piece to piece; see `ahmss.algorithm.tucking`."""
+
+    def over(self, rows: Array) -> Array:
+        """The rows (n, 272) of the next piece with other arms."""
+        ...
+
+    def keep(self, count: int) -> None:
+        """Of the last piece so many frames were shown."""
+        ...
 
 
 def walk_library(task: HumanTask) -> Library:
@@ -117,20 +131,32 @@ def rows_of(task: HumanTask, piece: Piece) -> Array:
     return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets, piece.ways)
 
 
-def in_time(piece: Piece, rows: Array) -> Iterator[Array]:
-    """The rows (n, 272) of a piece, singly as long as there is something to be thought of meanwhile: no frame waits."""
+def in_time(piece: Piece, rows: Array) -> Generator[Array, None, int]:
+    """The rows (n, 272) of a piece, singly as long as there is something to be thought of meanwhile: no frame waits.
+
+    Where the piece wants to look, a few at a time; returns how many were given until it was over.
+    """
     k = 0
     while piece.meanwhile is not None and k < len(rows) - 1:
         yield rows[k : k + 1]
         k += 1
         if not piece.meanwhile.part():
             break
+    for seen in LOOKS if piece.look is not None else ():
+        if seen >= len(rows):
+            break
+        yield rows[k:seen]
+        k = seen
+        if piece.look is not None and piece.look(k):
+            return k
     yield rows[k:]
+    return len(rows)
 
 
 def stepped(
-    task: HumanTask, goal: Goal, ground: Ground, *, near: tuple[float, float], most: float, to: str
-) -> Generator[Array, None, Stance]:
+    task: HumanTask, goal: Goal, ground: Ground, *, near: tuple[float, float], most: float, to: str,
+    arms: Arms | None = None,
+) -> Generator[Array, None, Stance]:  # fmt: skip
     """Frames of the steps to a place that is near, none where one stands there; then how one stands.
 
     A hand that holds something stays as it is against the trunk. Others are gone round, or waited for.
@@ -140,7 +166,7 @@ def stepped(
         goal: where, and which way to face.
         ground: what stands on the floor.
         near: metres and radians that one may stand beside it. most: metres that are stepped.
-        to: what one steps to, for the sentence that refuses.
+        to: what one steps to, for the sentence that refuses. arms: what moves them out of the way of things.
 
     Raises:
         AlgorithmError: it is too far, or somebody stands in the way; says what to do.
@@ -163,8 +189,10 @@ def stepped(
     for piece in trip.pieces(start.rotations, start.root):
         rows = rows_of(task, piece)
         rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
-        yield from in_time(piece, rows)
-        rotations[: piece.rotations.shape[1]], root = piece.rotations[-1], piece.root[-1]
+        shown = yield from in_time(piece, rows if arms is None else arms.over(rows))
+        if arms is not None:
+            arms.keep(shown)
+        rotations[: piece.rotations.shape[1]], root = piece.rotations[shown - 1], piece.root[shown - 1]
         rotations[held] = start.rotations[held]
     return Stance(rotations, root)
 

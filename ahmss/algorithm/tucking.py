@@ -60,6 +60,8 @@ class Tucking:
         self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
         self._level = {side: np.zeros(3) for side in _SIDES}
         self._wanted = dict.fromkeys(_SIDES, first > 0)
+        # As they were after each frame of the last piece.
+        self._after: dict[str, list[tuple[Array, bool]]] = {side: [] for side in _SIDES}
         self._frames, self._rests, self._last = 0, False, (np.zeros((0, 0)), np.zeros((0, 0)))
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
         for side in self._already():
@@ -89,9 +91,25 @@ class Tucking:
         self._given, self._last = made[-1, 4:176].reshape(43, 4).copy(), (rows.copy(), made.copy())
         return made
 
+    def keep(self, count: int) -> None:
+        """Of the last piece so many frames were shown: the arms go on as after these."""
+        given, made = self._last
+        if count == len(given):
+            return
+        self._frames -= len(given) - count
+        self._last, self._rests = (given[:count], made[:count]), False
+        self._given = made[count - 1, 4:176].reshape(43, 4).copy()
+        for side in self._sides:
+            if self._after[side]:
+                level, self._wanted[side] = self._after[side][count - 1]
+                self._level[side][:] = level
+                self._hanging[side].back(count)
+
     def _made(self, rows: Array, others: Sequence[str], begun: int) -> Array:
         """The rows, the arms drawn in but those that are others'; `begun`: frames of the walk before these."""
         root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
+        for after in self._after.values():
+            after.clear()
         near = _about(self._prisms, root)
         drawn_in = max(float(level.max()) for level in self._level.values()) >= _NONE
         if not near and not drawn_in and all(arm.still for arm in self._hanging.values()):
@@ -148,6 +166,7 @@ class Tucking:
         for i in range(len(level)):
             level[i] += self._rate * (wanted - level[i])
             wanted = float(level[i])
+        self._after[side].append((level.copy(), self._wanted[side]))
         return wanted
 
 

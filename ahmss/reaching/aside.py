@@ -7,6 +7,7 @@ other make that a movement which begins and ends softly; the frames that are loo
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,6 +41,12 @@ class Aside:
     def __init__(self, rate: float) -> None:
         self._share = 1.0 - np.exp(-1.0 / (_LAG * rate))
         self._wanted, self._lags = np.zeros(3), np.zeros((3, 3))
+
+    def copy(self) -> Aside:
+        """The same, to go on from here otherwise."""
+        other = copy.copy(self)
+        other._wanted, other._lags = self._wanted.copy(), self._lags.copy()
+        return other
 
     @property
     def moved(self) -> Array:

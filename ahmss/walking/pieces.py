@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,8 +17,11 @@ from ahmss.walking.library import RATE
 from ahmss.walking.shaping import Shaping
 
 __all__ = [
-    "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "standing_piece",
+    "LOOKS", "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "standing_piece",
 ]  # fmt: skip
+
+LOOKS = 3, 6, 9, 12, 15, 18, 21
+"""Frames of a piece after which one may look whether to go on with it."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Piece:
 
     ways: (n, 6, 2) where the hips will be, told with each frame, as `ahmss.motion.way` has it.
     meanwhile: what is to be thought of before the next piece, of which a part may be done with each frame.
+    look: asked after each of `LOOKS` of its frames whether the piece is over with that one, as one suddenly goes
+    otherwise; who shows all of it need not ask.
     """
 
     rotations: Array
@@ -44,6 +49,7 @@ class Piece:
     feet: Array
     ways: Array
     meanwhile: Clearing | None = field(default=None, kw_only=True)
+    look: Callable[[int], bool] | None = field(default=None, kw_only=True)
 
 
 def piece(going: Journey, first: int, last: int) -> Piece:

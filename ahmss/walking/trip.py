@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -30,7 +31,6 @@ from ahmss.walking.wayout import Pace, WayOut, halted, way_out
 __all__ = ["RADIUS", "Ground", "Piece", "Trip", "Walker"]
 
 _WINDOW = 7  # frames that a changed way is told before it is gone: twice as long as others may be seen late, and one
-_LOOKS = 3, 6, 9, 12, 15, 18, 21  # frames of a step after which one looks for who is suddenly in the way
 _SOON = 1.5  # seconds: who comes so soon is looked for in a step
 _SUDDEN, _NEWS = 0.6, 0.08  # metres: for who is to come so near one makes way at once, if by the latter it is news
 _AGAIN = 12  # frames after which who waits looks again
@@ -79,6 +79,7 @@ class Trip:
         self._notes = set[str]()  # why one waits: what has been told of it
         self._side, self._sided = 0.0, 0  # on which others are passed, and since which frame
         self._pace = Pace()
+        self._sudden: tuple[WayOut, int] | None = None  # what a step has become, and after how many of its frames
 
     def pieces(self, rotations: Array, root: Array) -> Iterator[Piece]:
         """The frames, a step at a time, from a standing pose (43, 4), (3,).
@@ -88,8 +89,8 @@ class Trip:
         """
         self._arms = held_arms(self.skeleton, rotations, root, self.held) if self.held else None
         for made in self._pieces(footing(self.skeleton, rotations, root, self.planner.standing)):
-            self._made += len(made.root)
             yield made
+            self._made += len(made.root) if self._sudden is None else self._sudden[1]
 
     def _pieces(self, now: Footing) -> Iterator[Piece]:
         going: Journey | None = self.planner.walk(now, frames=self.frames)
@@ -159,19 +160,21 @@ class Trip:
         here: AtSeam | None = None  # at the last seam
         known = np.inf  # how near others were to come, as one came there
         while seam < len(going.seams) - 1:
-            if here is not None and not stopping:
-                way, made = yield from self._begun(going, seam, here, known)
-                if way is not None:
-                    made -= going.seams[seam]
-                    going, stopping, seam, here = self._on(way), way.stops, 0, way.here
             seam += 1
             end = going.seams[seam]
-            step, made = piece(going, made, end), end
-            if seam == len(going.seams) - 1 or stopping:
-                yield step
+            last = stopping or seam == len(going.seams) - 1
+            window = min(_WINDOW, end - made - 1) if self.others() and not last else 0
+            begins, step, made = made == going.seams[seam - 1], piece(going, made, end), end
+            first = part(step, 0, len(step.root) - window)
+            if here is not None and begins and not stopping and self.others():
+                first = replace(first, look=partial(self._looks, going, seam - 1, here, known))
+            yield first
+            if self._sudden is not None:
+                (way, made), self._sudden = self._sudden, None
+                going, stopping, seam, here = self._on(way), way.stops, 0, way.here
                 continue
-            window = min(_WINDOW, len(step.root) - 1) if self.others() else 0
-            yield part(step, 0, len(step.root) - window)
+            if last:
+                continue
             step = part(step, len(step.root) - window, len(step.root))
             if window and all(other.way is None for other in self.others()):
                 yield step  # of who tells nothing more is known the later it is
@@ -184,7 +187,7 @@ class Trip:
                 going, stopping, seam, made = halted(self.planner, going, seam, here, self._pace).going, True, 0, 0
                 continue
             if meets(ahead(going, end), others):
-                way = self._way_out(going, seam, here, others, -window)
+                way = self._way_out(going, seam, here, others, self._left(window))
             if window:
                 if way is not None:
                     level = np.concatenate([going.shaping.level[: end + 1], way.going.shaping.level[1:]])
@@ -196,35 +199,26 @@ class Trip:
             going, stopping, seam, made, here = self._on(way), way.stops, 0, 0, way.here
         return going, not stopping
 
-    def _begun(
-        self, going: Journey, seam: int, here: AtSeam, known: float
-    ) -> Generator[Piece, None, tuple[WayOut | None, int]]:
-        """The first frames of a step, in which one looks for who is suddenly in the way: the walk can still be another.
+    def _looks(self, going: Journey, seam: int, here: AtSeam, known: float, made: int) -> bool:
+        """Look for who is suddenly in the way, in a step that is being made; whether it becomes another now.
 
         Args:
             going: the walk. seam: with which the step begins. here: the walker there.
             known: how near others were to come (metres), when it was decided on.
-
-        Returns:
-            what it becomes, None: what it is; the last frame that was made.
+            made: frames of the step so far.
         """
-        begin = made = going.seams[seam]
-        if not self.others():
-            return None, made
-        for look in _LOOKS:
-            yield piece(going, made, begin + look)
-            made, others = begin + look, self.others()
-            if least(ahead(going, made, _SOON), others) < min(_SUDDEN, known - _NEWS):
-                way = self._way_out(going, seam, here, _later(others, -look), look)
-                if way is not None:
-                    return way, made
-        return None, made
+        others = self.others()
+        if least(ahead(going, going.seams[seam] + made, _SOON), others) < min(_SUDDEN, known - _NEWS):
+            way = self._way_out(going, seam, here, _later(others, -made), self._left(), made)
+            self._sudden = None if way is None else (way, made)
+        return self._sudden is not None
 
-    def _way_out(self, going: Journey, seam: int, here: AtSeam, others: Sequence[Walker], since: int) -> WayOut | None:
-        """How one makes way for others at a seam, so many frames after it, or before, where it is negative."""
+    def _way_out(
+        self, going: Journey, seam: int, here: AtSeam, others: Sequence[Walker], left: int, since: int = 0
+    ) -> WayOut | None:
+        """How one makes way for others at a seam, with so many frames left (0: any), or so many after it."""
         side = self._side if self._made - self._sided < _KEEPS * RATE else 0.0
-        pace = replace(self._pace, left=self._left(-since))
-        return way_out(self.planner, going, seam, here, others, pace, side, max(since, 0))
+        return way_out(self.planner, going, seam, here, others, replace(self._pace, left=left), side, since)
 
     def _on(self, way: WayOut) -> Journey:
         """The walk that one goes on with."""

@@ -42,7 +42,8 @@ def walk(task: HumanTask) -> Iterator[Array]:
     )  # fmt: skip
     tucking = Tucking(task)
     for piece in trip.pieces(task.start.rotations, task.start.root):
-        yield from in_time(piece, tucking.over(rows_of(task, piece)))
+        shown = yield from in_time(piece, tucking.over(rows_of(task, piece)))
+        tucking.keep(shown)
 
 
 def _goal(task: HumanTask, ground: Ground) -> Goal:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 import msgspec
 import numpy as np
@@ -12,10 +13,11 @@ from algorithm_rig import ROOT, ROTATIONS
 from ahmss.algorithm.check import check_human
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.algorithm.performance import Performance, frames
-from ahmss.algorithm.stepping import walkers
+from ahmss.algorithm.stepping import in_time, walkers
 from ahmss.algorithm.task import HumanTask, ObjectTask
 from ahmss.errors import ProtocolError, ShapeError
 from ahmss.motion.way import AHEAD, UNKNOWN
+from ahmss.walking.pieces import Piece
 
 WAY = np.arange(12.0).reshape(6, 2) / 4.0 + 1.0
 OTHER = ObjectRecord(-4, "aiko", "human", (1.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0), way=[(9.0, 9.0)] * 6)
@@ -147,3 +149,29 @@ def test_who_tells_that_they_stay_is_believed_though_nothing_moves(make_start):
     row[0] = 400
     task.see(row)
     assert walkers(task)[0].way is not None
+
+
+class Looks:
+    """Asked after frames whether a piece is over."""
+
+    def __init__(self, over: int) -> None:
+        self.over, self.asked = over, list[int]()
+
+    def __call__(self, made: int) -> bool:
+        self.asked.append(made)
+        return made == self.over
+
+
+@pytest.mark.parametrize(("over", "shown"), [(9, 9), (99, 14)])
+def test_of_a_piece_that_is_looked_at_no_more_is_given_than_until_it_is_over(over: int, shown: int) -> None:
+    rows, look = np.arange(14.0)[:, None], Looks(over)
+    piece = Piece(*(np.zeros((14, 1)) for _ in range(5)), look=look)
+    given: list[float] = []
+
+    def all_of_it() -> Iterator[np.ndarray]:
+        given.append((yield from in_time(piece, rows)))
+
+    made = np.concatenate(list(all_of_it()))[:, 0]
+    assert given == [shown]
+    assert made.tolist() == rows[:shown, 0].tolist()
+    assert look.asked == [3, 6, 9, 12][: len(look.asked)]

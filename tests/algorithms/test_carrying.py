@@ -205,3 +205,15 @@ def test_far_from_things_it_stays_as_it_was() -> None:
     _, arms, cares = carried(0.55, beside=False)
     np.testing.assert_allclose(arms[-1], arms[0], atol=1e-12)
     assert cares[-1][INDEX["left_hand"]] == 1.0
+
+
+def test_of_a_piece_that_was_broken_off_the_arms_go_on_from_what_was_shown() -> None:
+    task, rows = stood(np.array([2.86, 0.25, 0.0]))
+    whole, broken, deaf = (Tucking(task, first=0) for _ in range(3))
+    whole.over(rows[:12])
+    np.testing.assert_array_equal(broken.over(rows), deaf.over(rows))
+    broken.keep(12)
+    deaf.keep(60)
+    goes, other, late = (palms(tucking.over(rows[12:]))[:, 0] for tucking in (whole, broken, deaf))
+    np.testing.assert_allclose(other, goes, atol=1e-3)
+    assert np.abs(late - goes).max() > 0.05

@@ -12,6 +12,7 @@ from ahmss.motion.smoothness import pops
 from ahmss.motion.way import AHEAD
 from ahmss.walking.journey import Footing
 from ahmss.walking.library import BODY, RATE
+from ahmss.walking.pieces import LOOKS
 from ahmss.walking.planning import Planner
 from ahmss.walking.trip import Ground, Trip, Walker
 
@@ -79,11 +80,14 @@ def nearest(other: Somebody) -> float:
 
     trip = Trip(body.skeleton, m.library(), Ground(), np.array([2.6, 0.0]), None, others=others)
     for piece in trip.pieces(rotations, root):
-        for place, links in zip(piece.root, piece.rotations, strict=True):
-            made.append(place)
-            turned.append(links)
+        frames = len(piece.root)
+        for k in range(1, frames + 1):
+            made.append(piece.root[k - 1])
+            turned.append(piece.rotations[k - 1])
             if isinstance(other, Crosses):
-                other.look(len(made) - 1, place[:2])
+                other.look(len(made) - 1, made[-1][:2])
+            if piece.look is not None and k in LOOKS and k < frames and piece.look(k):
+                break
         assert len(made) < 1500, "it never arrives"
     there = np.array([other(frame).place for frame in range(len(made))])
     way = np.array(made)
