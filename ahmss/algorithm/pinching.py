@@ -15,6 +15,7 @@ from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.clearing import gap_of, refuse_touching
 from ahmss.algorithm.controls import beside, in_the_way, stood_before
+from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.part_ways import (
     Approach,
@@ -110,7 +111,8 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     if best is None:
         assert refused is not None
         raise refused
-    if best is not one and best.made.looked < 1.0:  # the eyes have gone on since it was made
+    waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
+    if (waited or best is not one) and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
     if short := _short(task, best.part, best.plan, best.made):
         raise AlgorithmError(short)
@@ -160,6 +162,7 @@ def _tried(
         missed = max(_missed(task, part, plan, made) - _MISSED, 0.0)
         if _short(task, part, plan, made):
             missed += _SHORT
+        missed += crowding(task, made, plan.reacher.side)
         if not boxes:
             return missed
         gap = gap_of(task, plan.reacher.side, *_shown(made, _back(task, part, plan, made)), beside(task))

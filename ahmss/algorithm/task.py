@@ -84,7 +84,8 @@ class Task:
         self.world = {record.id: WorldObject.of(record) for record in start.world}
         about = [thing for thing in (self.goal_object, self.object) if thing is not None]
         self._about = {thing.id: thing for thing in about}
-        self._sites = {site.id: thing for thing in about for site in thing.sites.values() if site.id}
+        told = [*about, *(thing for thing in self.world.values() if thing.kind == "human")]
+        self._sites = {site.id: thing for thing in told for site in thing.sites.values() if site.id}
 
     @property
     def busy(self) -> tuple[str, ...]:

@@ -55,6 +55,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     accompanies: bool = False
     stretches: bool = False
     rests: bool = False
+    arms: bool = False
     parameters: dict[str, dict[str, Any]] = {}
 
 
@@ -132,7 +133,9 @@ class AlgorithmFinder:
         argv = self._argv(document, top.argv)
         if top.ways and not top.humans:
             raise document.error(("ways",), "asks where the other humans mean to be; add `humans = true`")
-        body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests)
+        if top.arms and not top.humans:
+            raise document.error(("arms",), "asks where the other humans' arms are; add `humans = true`")
+        body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests, top.arms)
         asks = (top.world, top.footprints, top.humans, top.shape, *body)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 

@@ -130,7 +130,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     kind: "human", "object", or "" where nothing says (a bare executable). argv: the first is "python" for the pool,
     else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
     footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others;
-    ways: and whether it and each FRAME say where they mean to be.
+    ways: and whether it and each FRAME say where they mean to be; arms: and, of those near, where their arms are.
     shape: whether START says where the target's shape is kept.
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
@@ -154,6 +154,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     ways: bool = False
     stretches: bool = False
     rests: bool = False
+    arms: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -27,6 +27,7 @@ __all__ = [
     "Body",
     "Everything",
     "Humans",
+    "beside",
     "met",
     "numbers",
     "parts",
@@ -135,11 +136,18 @@ def met(start: Start) -> tuple[str, ...]:
 
 
 def numbers(start: Start) -> tuple[int, ...]:
-    """The ids by which a motion about a human is told of what moves: the object, the goal's, and their sites."""
-    if not met(start):
-        return ()
-    things = [thing for thing in (start.object, start.goal.object) if thing is not None]
-    return tuple(n for thing in things for n in (thing.id, *(site.id for site in thing.sites.values() if site.id)))
+    """The ids by which a motion is told of what moves of humans: of the object and the goal, where one of them is a
+    human, and of their sites and those of who is beside.
+    """
+    things = [thing for thing in (start.object, start.goal.object) if thing is not None and met(start)]
+    told = [thing for thing in start.world if thing.name in beside(start)]
+    sites = [site.id for thing in (*things, *told) for site in thing.sites.values() if site.id]
+    return (*(thing.id for thing in things), *sites)
+
+
+def beside(start: Start) -> tuple[str, ...]:
+    """Names of the other humans whose sites a motion is told of."""
+    return tuple(thing.name for thing in start.world if thing.kind == KIND and thing.sites)
 
 
 def rows_of_sites(workspace: Workspace, scene: _Scene, names: Iterable[str]) -> Array:

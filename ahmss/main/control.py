@@ -18,7 +18,7 @@ from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, CommandError, Unreachable, WorldError
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
-from ahmss.main.company import met, numbers, rows_of_sites
+from ahmss.main.company import beside, met, numbers, rows_of_sites
 from ahmss.main.database import Actor, Database, Order
 from ahmss.main.motion import Motion, Mover, Shown
 from ahmss.main.passing import GIVE, RECEIVE
@@ -266,7 +266,7 @@ class Control:
             return
         target = () if order.human_algorithm.world == "none" else (seen.objects[order.object].id,)
         motion.knows = known({*target, *numbers(start), *(record.id for record in start.world)})
-        motion.company = met(start)
+        motion.company, motion.beside = met(start), beside(start)
         motion.k = 1
         motion.process.ask(self._frame(self._human, 1, None, b""))
 
@@ -455,7 +455,7 @@ class Control:
             self._surroundings.forget()
         if self._asked_for_humans:
             others = self._people.moved(self._communication.world, self._communication.human)
-            company = dict.fromkeys(name for motion in self._motions for name in motion.company)
+            company = dict.fromkeys(name for one in self._motions for name in (*one.company, *one.beside))
             sites = rows_of_sites(self._database.workspace, self._communication, company) if company else NOTHING
             self._changes = np.concatenate([self._changes, others, sites])
         else:

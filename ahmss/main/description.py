@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from typing import Any, Protocol
 
@@ -21,6 +22,7 @@ from ahmss.world.schema import ObjectRecord
 __all__ = ["Description", "Scene", "describe", "describe_human", "four", "triple"]
 
 _NEAR = 5.0  # metres: what an algorithm that asks for the near world is told of
+_AT_HAND = 2.5  # metres: whose arms are told to an algorithm that asks for arms
 
 
 class Scene(Protocol):
@@ -154,7 +156,18 @@ class Description:
                     found.append(self._object(name))
                 except AhmssError:  # another object's broken file does not concern this motion
                     continue
-        return found + [self._with_way(human) for human in (self._scene.others() if self._entry.humans else ())]
+        others = self._scene.others() if self._entry.humans else ()
+        return found + [self._with_way(self._with_arms(human, root)) for human in others]
+
+    def _with_arms(self, told: messages.ObjectRecord, root: Array) -> messages.ObjectRecord:
+        """A human with its sites, where arms are asked for and it is near a root (3,)."""
+        if not self._entry.arms or float(np.linalg.norm(np.array(told.place)[:2] - root[:2])) > _AT_HAND:
+            return told
+        if told.name not in self._scene.objects or self._scene.objects[told.name].kind != KIND:
+            return told  # an object that is called like a human hides it
+        with contextlib.suppress(AhmssError, KeyError):  # somebody whose body is not known yet is told of as before
+            return describe_human(self._workspace, self._scene, told.name)
+        return told
 
     def _with_way(self, told: messages.ObjectRecord) -> messages.ObjectRecord:
         """A human with where they mean to be now, where that is asked and they tell it."""

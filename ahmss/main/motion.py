@@ -150,7 +150,7 @@ class Motion:
         process: its human algorithm. given: what it gives to the blend, once its first frame has come.
         knows: ids of what its algorithm is told of when it moves. missed: of these, what moved while it was not asked.
         passes: the answer awaited while what is in the hand changes hands, or how many frames one has waited for it.
-        company: the humans that it is about.
+        company: the humans that it is about. beside: those near, of whose arms it is told.
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame.
         closing: it would be over, but the algorithm of what it moves is late. held: how many frames came too late.
@@ -165,6 +165,7 @@ class Motion:
         self.mover: Mover | None = None
         self.knows, self.missed = known(()), NOTHING
         self.company: tuple[str, ...] = ()
+        self.beside: tuple[str, ...] = ()
         self.passes: Pending | int | None = None
         self.k = 0
         self.carried = False

@@ -16,6 +16,7 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
+from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.pinching import gone_back, rows_made
 from ahmss.algorithm.reaching import performed, sides_of
@@ -61,7 +62,12 @@ def _press(task: HumanTask) -> Iterator[Array]:
             task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), _pushed(task, plan.palm, out)
         )
 
-    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform)
+    def touches(plan: Plan, made: Performed) -> float:
+        return crowding(task, made, plan.reacher.side)
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform, touches)
+    if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
+        made = yield from perform(plan)  # the eyes have gone on
     rows = rows_made(task, made)
     if task.parameter("returns", False):
         length = len(made.root) - len(_pushed(task, plan.palm, out))

@@ -56,6 +56,15 @@ def test_ways_are_told_to_who_asks_for_humans_and_them(workspace: Workspace) -> 
         workspace.algorithms.find("run")
 
 
+def test_arms_are_told_to_who_asks_for_humans_and_them(workspace: Workspace) -> None:
+    add_algorithm(workspace, "nod", NOD)
+    add_algorithm(workspace, "walk", f"{NOD}humans = true\narms = true\n".replace("nod", "walk"))
+    assert [workspace.algorithms.find(name).arms for name in ("nod", "walk")] == [False, True]
+    add_algorithm(workspace, "run", f"{NOD}arms = true\n".replace("nod", "run"))
+    with pytest.raises(DataError, match=r"arms \(line 4\): asks where the other humans' arms are; add `humans = true`"):
+        workspace.algorithms.find("run")
+
+
 def executable(path: Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("#!/bin/sh\n")

@@ -1,0 +1,122 @@
+"""Two at one panel: an arm keeps out of who stands beside, and waits for an arm that works in its way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ahmss.algorithm import HumanTask
+from ahmss.algorithm.elbow_room import awaited, crowding
+from ahmss.algorithm.messages import ObjectRecord, SiteRecord
+from ahmss.algorithm.reaching import Looking
+from ahmss.body.array import Array
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, rotate
+from ahmss.main.company import Body as Shown
+from ahmss.main.company import parts, site_number
+from ahmss.main.play import PlaySetup, play_script
+from ahmss.motion.edit import floor_frame
+from tests.algorithms.devices import begun
+from tests.algorithms.scene import WORKSPACE, Body
+from tests.demo.recorded import Recorded
+
+ROOT = Path(__file__).resolve().parents[2]
+SITES = WORKSPACE.objects.get("human").sites
+ARM, LEFT = INDEX["right_upper_arm"], INDEX["left_upper_arm"]
+NAMES = list(SITES)
+HAND = NAMES.index("right_hand")
+SCRIPT = """
+add control_room
+human ken body ken at 1.18 -0.09 facing 0
+human aiko body aiko at 1.25 0.57 facing 0
+aiko: do panel/button_14 press
+"""
+
+
+def beside(body: Body, name: str = "ken") -> ObjectRecord:
+    """Somebody as main tells of them to who asks for arms."""
+    place, rotation = floor_frame(body.rotations, body.root)
+    moving = [site for site in SITES if SITES[site].part]
+    rows = parts(Shown(body.skeleton, body.rotations, body.root), [SITES[site] for site in moving])
+    sites = {
+        site: SiteRecord(
+            tuple(rotate(conjugate(rotation), row[:3] - place)), id=site_number(7, list(SITES).index(site))
+        )
+        for site, row in zip(moving, rows, strict=True)
+    }
+    return ObjectRecord(-7, name, "human", tuple(place.tolist()), tuple(rotation.tolist()), sites)
+
+
+def raised(body: Body) -> SimpleNamespace:
+    """A way on which the right arm comes up to the side, as what was performed."""
+    n = 40
+    rotations, root = np.repeat(body.rotations[None], n, axis=0), np.repeat(body.root[None], n, axis=0)
+    turned = np.linspace(0.0, 1.3, n)
+    ahead = np.stack([np.cos(0.5 * turned), 0.0 * turned, 0.0 * turned, np.sin(0.5 * turned)], axis=-1)
+    rotations[:, ARM] = multiply(rotations[:, ARM], ahead)
+    return SimpleNamespace(rotations=rotations, root=root)
+
+
+def test_an_arm_that_would_come_into_who_stands_beside_is_told_by_how_much() -> None:
+    body = Body("aiko", 0.0, 0.0, 0.0)
+    made = raised(body)
+    places, _ = forward(made.rotations[-1], made.root[-1], body.skeleton.offsets)
+    assert np.linalg.norm((places[ARM + 1] - places[ARM])[:2]) > 0.2  # it is out
+    by = {y: crowding(HumanTask(begun(body, None, "", {}, world=[beside(Body("ken", *at, 0.0))])), made, "right")
+          for y, at in (("near", out(places, 0.3)), ("far", out(places, 1.6)))}  # fmt: skip
+    assert by["near"] > 0.03
+    assert by["far"] == 0.0
+    assert crowding(HumanTask(begun(body, None, "", {}, world=[])), made, "right") == 0.0
+
+
+def out(places: Array, far: float) -> tuple[float, float]:
+    """A place on the floor so far from the shoulder, where the arm goes."""
+    way = (places[ARM + 1] - places[ARM])[:2]
+    x, y = (places[ARM][:2] + far * way / np.linalg.norm(way)).tolist()
+    return x, y
+
+
+@pytest.mark.parametrize(("works", "least", "most"), [(45, 45, 45 + 62), (0, 1, 62), (10_000, 355, 361)])
+def test_one_waits_while_an_arm_works_in_the_way_but_not_for_ever(works: int, least: int, most: int) -> None:
+    """It works for so many frames; who holds it still may do so for good, and nobody waits for ever."""
+    body = Body("aiko", 0.0, 0.0, 0.0)
+    made = raised(body)
+    places, _ = forward(made.rotations[-1], made.root[-1], body.skeleton.offsets)
+    record = beside(Body("ken", *out(places, 0.3), 0.0))
+    task = HumanTask(begun(body, None, "", {}, world=[record]))
+    waits = awaited(task, made, "right", Looking(task, np.array([1.0, 0.0, 1.2])))  # type: ignore[arg-type]
+    place = rotate(np.array(record.rotation), np.array(record.sites["right_hand"].position)) + record.place
+    frames = 0
+    for frames, _ in enumerate(waits, 1):
+        moved = place + np.array([0.0, 0.0, 0.05 * np.sin(0.2 * frames) if frames < works else 0.0])
+        task.see(np.concatenate([body.row(frames), [site_number(7, HAND), *moved, 1.0, 0.0, 0.0, 0.0]]))
+    assert least <= frames <= most
+    assert task.notes == ["waits for ken, whose arm is in the way"]
+
+
+def test_nobody_waits_for_an_arm_that_is_not_in_the_way() -> None:
+    body = Body("aiko", 0.0, 0.0, 0.0)
+    task = HumanTask(begun(body, None, "", {}, world=[beside(Body("ken", -1.2, 0.0, 0.0))]))
+    assert not list(awaited(task, raised(body), "right", Looking(task, np.array([1.0, 0.0, 1.2]))))  # type: ignore[arg-type]
+    assert task.notes == []
+
+
+def test_who_reaches_across_keeps_the_elbow_out_of_who_stands_beside(tmp_path: Path) -> None:
+    (tmp_path / "script.txt").write_text(SCRIPT)
+    recording = tmp_path / "run.rec"
+    report = play_script(tmp_path / "script.txt", PlaySetup(workspace=str(ROOT), fast=True, record=recording))
+    assert report.failures == 0
+    ken, aiko = (Recorded.read(recording, name, ("control_room/panel/button_14",)) for name in ("ken", "aiko"))
+    assert "aiko" in aiko.holders["control_room/panel/button_14"]
+    n = min(len(ken.root), len(aiko.root))
+    (other, _), (own, _) = ken.links, aiko.links
+    upper = np.linspace(0.0, 1.0, 9)[:, None]
+    theirs = other[:n, LEFT, None] + upper * (other[:n, LEFT + 1] - other[:n, LEFT])[:, None]
+    for side in (ARM, LEFT):
+        arm = own[:n, side, None] + upper * (own[:n, side + 1] - own[:n, side])[:, None]
+        gap = np.linalg.norm(arm[:, :, None] - theirs[:, None], axis=-1).min()
+        assert gap > 0.11  # as thick as two upper arms; 0.034 where nobody looks
