@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanTask, Transform, frames
+from ahmss.algorithm import HumanTask, Transform, controls, frames
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import front_of
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
@@ -197,6 +197,37 @@ def test_who_stands_where_one_would_stand_is_named_when_patience_ends(monkeypatc
     start = Layout((lever,)).start(lever, body, "slide", {"level": 0.0}, world=[standing("aiko", 0.05, 0.0)])
     with pytest.raises(AlgorithmError, match="aiko stands in the way, where one is to stand"):
         used(body, start, "slide")
+
+
+@pytest.mark.parametrize(("kind", "action"), [("lever", "slide"), ("push_button", "press")])
+def test_who_stands_almost_before_the_control_is_reached_past_leaning(kind: str, action: str) -> None:
+    it, body = control(kind, 75.0), Body("ken", -2.2, 0.0, 0.0)
+    states = {"level": 0.0} if kind == "lever" else {}
+    done = used(body, Layout((it,)).start(it, body, action, states, world=[standing("aiko", 0.05, 0.08)]), action)
+    hips = np.array([pose.root[:2] for pose in done.shown])
+    assert np.linalg.norm(hips - (0.05, 0.08), axis=1).min() > 0.6
+    assert hips[-1, 1] < -0.55
+
+
+def test_where_somebody_comes_to_stand_meanwhile_one_goes_beside_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    goes, asked = controls.gone_to, []
+
+    def gone_to(task: HumanTask, stand: Any, gaze: Any) -> Any:
+        asked.append(stand.place)
+        if len(asked) == 1:
+            task.world[-7].place[:2] = (0.05, 0.14)
+            yield gaze.alone()
+            raise AlgorithmError("aiko stands in the way")
+        return (yield from goes(task, stand, gaze))
+
+    monkeypatch.setattr(controls, "gone_to", gone_to)
+    lever, body = control("lever", 75.0), Body("ken", -2.2, 0.0, 0.0)
+    start = Layout((lever,)).start(lever, body, "slide", {"level": 0.0}, world=[standing("aiko", -2.2, 3.0)])
+    done = used(body, start, "slide")
+    assert len(asked) == 2
+    assert abs(asked[0][1]) < 0.2
+    assert np.linalg.norm(done.shown[-1].root[:2] - (0.05, 0.14)) > 0.6
+    assert np.linalg.norm(done.shown[-1].root[:2] - asked[1]) < 0.1
 
 
 def test_a_gauge_is_read_from_beside_who_reads_it() -> None:
