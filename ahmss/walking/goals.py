@@ -12,7 +12,7 @@ import shapely
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
-from ahmss.walking.obstacles import Obstacles, nearest_free
+from ahmss.walking.obstacles import Obstacles
 
 __all__ = ["FARTHEST", "REACH", "Goal", "beside", "check_distance", "facing_of"]
 
@@ -74,15 +74,15 @@ def beside(thing: Array, human: Array, outlines: Sequence[Array], reach: float =
         reach: how far from the thing, metres; a little nearer or further where that is needed.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
-    shapes = Obstacles.of(outlines, _NEAR).shapes
-    others = shapes[shapely.distance(shapes, shapely.Point(thing)) > 0.0]
+    around = Obstacles.of(outlines, _NEAR)
+    others = around.shapes[shapely.distance(around.shapes, shapely.Point(thing)) > 0.0]
     best: tuple[float, float, Array] | None = None
     for farther, angle in product(_FARTHER, angles.tolist()):
         if angle == 0.0 and best is not None and best[1] <= 0.0:
             break  # there is room: one stands no farther away
         squeezed = 0.0
         wanted = thing + (reach + farther) * np.array([np.cos(angle), np.sin(angle)])
-        free = nearest_free(wanted, outlines, _NEAR)
+        free = around.nearest_free(wanted)
         cost = 3.0 * abs(float(np.linalg.norm(free - thing)) - reach) + 0.3 * float(np.linalg.norm(free - human))
         if len(others):
             cost += 3.0 * max(_ROOM - float(shapely.distance(others, shapely.Point(free)).min()), 0.0)

@@ -84,6 +84,17 @@ class Obstacles:
         shapes = np.concatenate([_of_rings(rings), _of_circles(circles)])
         return cls(shapes, (*called, *["another human"] * len(circles)), radius)
 
+    def nearest_free(self, point: Array) -> Array:
+        """The place (2,) nearest to a point (2,) that keeps the radius from them."""
+        if not len(self.shapes) or (self.clearance(point) >= self.radius).all():
+            return np.array(point, dtype=np.float64)
+        return shapely.get_coordinates(shapely.shortest_line(self._edge, shapely.Point(point)))[0]
+
+    @cached_property
+    def _edge(self) -> Any:
+        """The line around them that keeps the radius, a little farther: round corners are cut by up to 0.5 %."""
+        return shapely.boundary(shapely.union_all(_buffered(self.shapes, 1.005 * self.radius, 8)))
+
     def clearance(self, place: Array) -> Array:
         """(m,) metres from a place (2,) to each footprint; negative within it: the way out."""
         return self.signed(np.arange(len(self.shapes)), np.broadcast_to(place, (len(self.shapes), 2)))
@@ -169,11 +180,7 @@ class Obstacles:
 
 def nearest_free(point: Array, obstacles: Sequence[Array], radius: float) -> Array:
     """The place (2,) nearest to a point (2,) that keeps a radius (metres) from obstacles, rings (k, 2)."""
-    around = Obstacles.of(obstacles, radius)
-    if not len(obstacles) or (around.clearance(point) >= radius).all():
-        return np.array(point, dtype=np.float64)
-    wide = shapely.union_all(_buffered(around.shapes, 1.005 * radius, 8))  # as round corners are cut by up to 0.5 %
-    return shapely.get_coordinates(shapely.shortest_line(shapely.boundary(wide), shapely.Point(point)))[0]
+    return Obstacles.of(obstacles, radius).nearest_free(point)
 
 
 def _buffered(shapes: Any, width: float, quarter: int = _QUARTER) -> Any:

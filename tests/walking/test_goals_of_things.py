@@ -60,3 +60,12 @@ def test_the_shoulders_of_who_leans_to_it_are_clear_of_what_stands_beside() -> N
     shoulder = goal.place + 0.2 * ahead + 0.2 * np.array([ahead[1], -ahead[0]])
     assert shapely.distance(shapely.Polygon(jamb), shapely.Point(shoulder)) > 0.05
     assert np.linalg.norm(goal.place - cup) < 0.66
+
+
+def test_what_is_around_is_widened_once_for_all_the_places_that_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is what takes time of it, in the frame in which a walk begins."""
+    union, made = shapely.union_all, list[int]()
+    monkeypatch.setattr(shapely, "union_all", lambda shapes: made.append(len(shapes)) or union(shapes))
+    table = np.array([[0.0, -0.5], [1.0, -0.5], [1.0, 0.5], [0.0, 0.5]])
+    beside(np.array([0.2, 0.0]), np.array([-2.0, 0.0]), [table, table + 3.0])
+    assert made == [2]
