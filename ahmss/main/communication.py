@@ -207,6 +207,10 @@ class Communication:
                 self.client.finish(pending, _PATIENCE)
         return pending
 
+    def wait_for(self, name: str) -> None:
+        """Say that this human waits for an object that another has: it has it before those who come later."""
+        self.client.begin(Claim(self.human, [name], waits=True))
+
     def transfer(self, name: str, taker: str, hand: str) -> Pending:
         """Give an object from this human's hand into another's; frames that come after this move it no more."""
         pending = self.client.begin(Transfer(name, self.human, taker, hand))

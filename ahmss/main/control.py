@@ -29,6 +29,7 @@ from ahmss.world.link import Pending
 
 __all__ = ["Control"]
 
+_SAYS_SO = 30  # frames after which who waits says so again
 _SEEN = 6  # frames after which it is seen who was first
 _RESTS = 4.0  # seconds in which a motion that is given up comes to rest
 _RELUCTANT = 5.0  # seconds that a hand which has closed on what it is given waits for the other to let go
@@ -287,6 +288,8 @@ class Control:
             raise CommandError(f"{order.title}: {order.object} is held by {holder}{after}")
         if not motion.waited:
             self._note(f"{order.title}: waits for {holder}, who has {order.object}")
+        if motion.waited % _SAYS_SO == 0 and order.object_algorithm is not None:
+            self._communication.wait_for(order.object)
         motion.waited += 1
         return True
 
@@ -352,7 +355,8 @@ class Control:
     def _wait_again(self, mover: Mover, reason: str) -> bool:
         """Whether a claim came second by a hair, and its motion waits now: then it begins anew."""
         motions = [motion for motion in self._motions if motion.mover is mover]
-        if len(motions) != 1 or f"{mover.name} is held by" not in reason:
+        second = any(f"{mover.name} is {how} by" in reason for how in ("held", "waited for"))
+        if len(motions) != 1 or not second:
             return False
         motion = motions[0]
         if motion.waited >= motion.order.patience * self._rate:

@@ -414,7 +414,7 @@ class WorldClient:
     def _remember(self, request: Request) -> None:
         """What a human holds, for a re-join."""
         match request:
-            case schema.Claim(human=human) if human in self._own:
+            case schema.Claim(human=human, waits=False) if human in self._own:
                 self._own[human].holds.update(dict.fromkeys(request.objects, request.hand))
             case schema.Release(human=human) if human in self._own:
                 for name in request.objects:

@@ -260,12 +260,16 @@ class Move(msgspec.Struct, frozen=True, tag="move"):
 
 
 class Claim(msgspec.Struct, frozen=True, tag="claim"):
-    """The human alone moves these objects from now on, all or none. `hand`: it takes them in that hand."""
+    """The human alone moves these objects from now on, all or none. `hand`: it takes them in that hand.
+
+    `waits`: it only waits for them, as somebody else has them, and has them before those who come later.
+    """
 
     human: str
     objects: list[str]
     hand: str = ""
     request: int = 0
+    waits: bool = False
 
 
 class Release(msgspec.Struct, frozen=True, tag="release"):

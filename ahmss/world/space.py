@@ -76,7 +76,7 @@ class Space:
                 self.things.move(owner, self.owned(owner), request.poses, layout=request.layout)
             case schema.Claim(human=name):
                 self.people.owned(owner, name)
-                self.things.claim(name, request.objects, request.hand)
+                self.things.claim(name, request.objects, request.hand, waits=request.waits)
             case schema.Release(human=name):
                 self.people.owned(owner, name)
                 self.things.release(name, request.objects)
@@ -153,6 +153,7 @@ class Space:
     def advance(self) -> None:
         """A tick of what moves by itself."""
         self.things.falls.step(self.things, 1.0 / self.rate)
+        self.things.queues.step(1.0 / self.rate)
 
     def let_fall(self) -> None:
         """What was held, or was falling, when the server was stopped, and nobody has come back for."""

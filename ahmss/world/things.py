@@ -19,6 +19,7 @@ from ahmss.world.falls import Falls
 from ahmss.world.frame import faulty, is_faulty_row
 from ahmss.world.nesting import in_world
 from ahmss.world.poses import Table
+from ahmss.world.queues import Queues
 from ahmss.world.schema import NewObject, ObjectPose, ObjectRecord, StateChange, StateValue
 
 __all__ = ["MOST_OBJECTS", "Thing", "Things", "check_name"]
@@ -71,7 +72,7 @@ class Things:
 
     def __init__(self, behaviours: Behaviours, falls: Falls) -> None:
         self.changes = Changes()
-        self.behaviours, self.falls = behaviours, falls
+        self.behaviours, self.falls, self.queues = behaviours, falls, Queues()
         self.by_name: dict[str, Thing] = {}
         self.by_id: dict[int, Thing] = {}
         self.poses = Table(7)
@@ -182,10 +183,18 @@ class Things:
 
     # Claims
 
-    def claim(self, human: str, names: Sequence[str], hand: str) -> None:
-        """The human alone moves these from now on."""
+    def claim(self, human: str, names: Sequence[str], hand: str, *, waits: bool = False) -> None:
+        """The human alone moves these from now on; or only waits for them. Who waits first has them first."""
         things = [self.get(name) for name in names]
+        if waits:
+            for thing in things:
+                self.queues.wait(thing.name, human)
+            return
         for thing in things:
+            first = self.queues.first(thing.name)
+            if not thing.holder and first not in ("", human):
+                self.queues.wait(thing.name, human)
+                raise WorldError(f"{thing.name} is waited for by {first}, who came first; wait until they let it go")
             if thing.holder not in ("", human):
                 raise WorldError(f"{thing.name} is held by {thing.holder}; wait until it is let go")
             if not thing.movable:
@@ -193,6 +202,7 @@ class Things:
         if hand not in ("", "right", "left"):
             raise WorldError(f'"{hand}" is no hand: right or left')
         for thing in things:
+            self.queues.leave(human, thing.name)
             self._hold(thing, human, hand)
 
     def release(self, human: str, names: Sequence[str]) -> None:
@@ -206,6 +216,7 @@ class Things:
 
     def release_all(self, human: str) -> None:
         """The human is gone."""
+        self.queues.leave(human)
         for thing in self.by_name.values():
             if thing.holder == human:
                 self._let_go(thing)

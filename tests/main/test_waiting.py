@@ -64,6 +64,41 @@ def test_who_comes_second_waits_and_has_it_when_it_is_let_go(two: tuple[MainProc
     assert aiko.report.notes == [WAITS]
 
 
+def test_who_has_waited_has_it_before_who_takes_it_once_more(two: tuple[MainProcess, MainProcess]) -> None:
+    ken, aiko = two
+    for step in steps("do b take frames 20"):
+        aiko.agenda.add(step)
+    until(lambda: bool(aiko.report.notes), ken, aiko)
+    for _ in range(20):
+        ken.frame()
+        aiko.frame()
+        time.sleep(0.005)
+    for step in steps("do b drop frames 10", "do b take patience=0 frames 20"):
+        ken.agenda.add(step)
+    until(lambda: ken.agenda.done, ken)
+    assert ken.report.messages == ["b take: b is waited for by aiko, who came first; wait until they let it go"]
+    until(lambda: aiko.agenda.done, ken, aiko)
+    assert aiko.control.holds == {"b": "right"}
+    for step in steps("do b take frames 20"):
+        ken.agenda.add(step)
+    for step in steps("do b drop frames 10"):
+        aiko.agenda.add(step)
+    until(lambda: ken.agenda.done, ken, aiko)
+    assert ken.control.holds == {"b": "right"}
+    assert aiko.report.messages == []
+
+
+def test_who_waits_for_it_does_not_have_it_after_a_break(two: tuple[MainProcess, MainProcess]) -> None:
+    _, aiko = two
+    for step in steps("do b take frames 20"):
+        aiko.agenda.add(step)
+    until(lambda: bool(aiko.report.notes), *two)
+    for _ in range(40):
+        aiko.frame()
+        time.sleep(0.005)
+    assert aiko.communication.client._own["aiko"].holds == {}  # what it would come back with
+
+
 @pytest.mark.parametrize(
     ("patience", "waited"),
     [
