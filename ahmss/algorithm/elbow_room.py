@@ -26,7 +26,7 @@ __all__ = ["awaited", "crowding", "others_near"]
 _AIR = 0.02  # metres that are kept between an arm and another human
 _SPARSE = 3  # every so many frames of a way are looked at
 _PATIENCE = 6.0  # seconds that one waits for an arm that moves, or has moved so lately:
-_IDLE = 1.0  # seconds; who holds it there longer may do so for good
+_IDLE, _SEEN = 1.0, 0.5  # seconds; who holds it there longer may do so for good; who is seen first to hold it, sooner
 _MOVES = 0.004  # metres of a hand, in a frame more or less, that are no breathing
 _ARM = ("shoulder", "elbow", "hand", "fingers")
 _THICK = np.array([0.05, 0.042, 0.03])  # metres, around upper arm, forearm, hand
@@ -71,7 +71,7 @@ class _Watched:
 
     def __init__(self, task: HumanTask, other: WorldObject) -> None:
         self._task, self._other = task, other
-        self._was, self._still = self._hands(), 0
+        self._was, self._still = self._hands(), round((_IDLE - _SEEN) * task.rate)
 
     def works(self) -> bool:
         """Whether a hand has moved, in the frames since this was asked first, or may have before; asked each frame."""
