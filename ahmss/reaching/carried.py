@@ -19,11 +19,11 @@ from ahmss.body.quaternion import align, conjugate, from_rotation_vector, multip
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
-from ahmss.reaching.aside import AIR, nearest
 from ahmss.reaching.comfort import across, discomfort
+from ahmss.reaching.evading import Evading
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.led import Led
-from ahmss.reaching.prism import Prism, clearance
+from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.skin import hand_skin
 from ahmss.reaching.tracking import Tracking, speed_towards
@@ -46,8 +46,8 @@ _LEAVES = 0.004  # and goes away by so many metres a frame, is let go of
 _NEWEST = 0.1  # of how fast it goes away that the newest frame makes
 _LETS_GO = 36  # frames
 _FASTEST, _GAINS = np.radians(2.0), np.radians(0.25)  # of the waist in a frame, and from one frame to the next
-_STARTS = 0.005  # metres a frame by which a hand that goes aside gains speed from one frame to the next
-_SOFTLY, _SOFTER, _TINY = 0.015, 0.3, 1e-6  # metres over which a hand is kept out of things; of its way to its place
+_LOOKS, _BENDS = 12, np.radians(4.5)  # frames ahead; a frame, of an elbow that a body which comes on bends
+_TINY = 1e-3  # of the time
 _COMES_TO_REST = 0.85  # of the speed against the body that the hand had: what is left of it a frame later
 
 
@@ -92,11 +92,11 @@ class Carried:
         then = (rotations, root) if before is None else before
         self._drift = (self._on_body - _on_body(self.reacher, *then))[:3]
         links = self.reacher.arm.from_pose(then[0][self.reacher.links])
-        self._aside, self._speed, self._led = np.zeros(3), np.zeros(3), Led()
+        self._led, self._evading = Led(), Evading(self.reacher, self._begun)
         self._tracking, self.short = Tracking(self.reacher, self._begun, links), 0.0
         self._waist, self._bends = self._spine, np.zeros(3)
         self._chest = seat(skeleton, *then)[1]
-        self._distance, self._goes, self._left = np.inf, 0.0, 0.0
+        self._distance, self._goes, self._left, self._time = np.inf, 0.0, 0.0, 0.0
 
     @property
     def passed(self) -> bool:
@@ -154,10 +154,11 @@ class Carried:
         near = [prism for prism in near if not prism.sought]  # fingers come close to that
         wanted = self._led.at(start, self.palm, time)
         wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
-        palm = self._tracking.step(wanted, spine, time, near)
-        palm[:3] += self._aside_by(self._out_of(near, rotations, root, palm) if near else np.zeros(3))
+        palm = self._tracking.step(wanted, spine, time, near, self._stretched(time))
+        hand = self._hand_in(rotations, root) if near else None
+        links, palm = self._evading.step(near, hand, self._tracking.links, (palm, self.palm), spine)
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
-        out[reacher.links] = reacher.arm.into_pose(self._tracking.links)
+        out[reacher.links] = reacher.arm.into_pose(links)
         return out, np.append(palm, 1.0 - left), _importance(share)
 
     def _hand_in(self, rotations: Array, root: Array) -> tuple[Array, Array]:
@@ -165,33 +166,6 @@ class Carried:
         present = grips(self.reacher.skeleton, rotations, root)[self.reacher.row]
         points, radii = hand_skin(self.reacher, rotations, root)
         return rotate(conjugate(present[3:]), points - present[:3]), radii
-
-    def _aside_by(self, wanted: Array) -> Array:
-        """By how much the palm is aside now (3,), on its way to what is wanted (3,), its speed changing softly."""
-        off = wanted - self._aside
-        size = max(float(np.linalg.norm(off)), _TINY)
-        gain = min(1.0, np.sqrt(2.0 * _STARTS / size)) * off - self._speed
-        self._speed = self._speed + gain * min(1.0, _STARTS / max(float(np.linalg.norm(gain)), _TINY))
-        self._aside = self._aside + self._speed
-        return self._aside
-
-    def _out_of(self, near: Sequence[Prism], rotations: Array, root: Array, palm: Array) -> Array:
-        """By how much a palm (7,) goes aside for things (3,) that a hand with the fingers of a pose would be in there.
-
-        It comes as near to them as it is to be in the end, softly as long as it is far from that.
-        """
-        inner, radii = self._hand_in(rotations, root)
-        soft = min(_SOFTLY, _SOFTER * float(np.linalg.norm(palm[:3] - self.palm[:3])))
-        here, there = (one[:3] + rotate(one[3:], inner) for one in (palm, self.palm))
-        far = AIR + 4.0 * soft
-        gap = clearance(near, here, far + float(radii.max())) - radii
-        worst = int(gap.argmin())
-        if gap[worst] > far:
-            return np.zeros(3)
-        least = min(float((clearance(near, there, AIR + float(radii.max())) - radii).min()), AIR)
-        lack = least - float(gap[worst])
-        out = nearest(near, here[worst]).way_out(here[worst])
-        return out * (soft * float(np.logaddexp(0.0, lack / soft)) if soft > _TINY else max(lack, 0.0))
 
     def _bent(self, hips: Array, root: Array, ahead: Array, share: Array) -> Array:
         """The spine's rotation (4,), bent by a share of what the waist gives, the body not carried past the place."""
@@ -219,6 +193,21 @@ class Carried:
         leaves = self._goes > _LEAVES and distance > _LEFT_FROM * self.reacher.length
         self._left = float(np.clip(self._left + (1.0 if leaves else -1.0) / _LETS_GO, 0.0, 1.0))
         return minimum_jerk(np.array(self._left))
+
+    def _stretched(self, time: float) -> float:
+        """Metres from the shoulder that the wrist may be at a share of the time.
+
+        A body that comes on bends the arm of a hand which is at its place, and the faster the straighter that is: the
+        elbow is bent so far by now that it need not bend too fast to be as bent as the body is then about to bend it.
+        """
+        left = (1.0 - time) / max(time - self._time, _TINY)
+        self._time = time
+        then = np.arange(1.0, min(left, _LOOKS) + 1.0)
+        upper, lower = self.reacher.arm.lengths
+        far = np.clip(self._distance + self._goes * then, self.reacher.shortest, self.reacher.length)
+        cosine = (far**2 - upper**2 - lower**2) / (2.0 * upper * lower)
+        bent = float((np.arccos(np.clip(cosine, -1.0, 1.0)) - _BENDS * then).max(initial=0.0))
+        return float(np.sqrt(upper**2 + lower**2 + 2.0 * upper * lower * np.cos(bent)))
 
     def _end_from(self, rotations: Array, root: Array) -> None:
         """Bring the palm at the end, by a step, nearer to what it would be from a pose as this."""

@@ -24,6 +24,9 @@ from ahmss.reaching.reacher import Reacher
 __all__ = ["Tracking", "speed_towards"]
 
 _FASTEST, _GAINS = np.radians(6.0), np.radians(1.2)  # of a joint in a frame, and from one frame to the next
+# At first what is shown still catches up with this, from what the arm did before: a joint turns by so much less until
+# the one share of the time, and as usual from the other on.
+_AT_FIRST, _UNTIL, _USUAL = np.radians(1.6), 0.3, 0.5
 _NEARLY, _FULLY = 0.88, 0.97  # of the arm's length, on the way: from where on it is spared, and what it never is
 _AT_END, _STIFF = 0.985, 0.9995  # the same at either end, where it may be stretched as it must
 _BEGINS, _ENDS = 0.5, 0.5  # of the time, in which the one becomes the other
@@ -52,11 +55,14 @@ class Tracking:
         self._speed = to_rotation_vector(multiply(conjugate(before), links))
         self._limits = limits_of(reacher.arm)
         self._near: Sequence[Prism] = ()
+        self._most = np.inf
         self._hand = self._limits[HAND] + np.array([-_GIVES, _GIVES])
         self._place = wrist_of(reacher.arm, links).place
         self._side = present_side(reacher.arm, links, self._place)
 
-    def step(self, palm: Array, spine: tuple[Array, Array], time: float, near: Sequence[Prism] = ()) -> Array:
+    def step(
+        self, palm: Array, spine: tuple[Array, Array], time: float, near: Sequence[Prism] = (), most: float = np.inf
+    ) -> Array:
         """Bring the arm, by a frame, as near as it can come to a palm (7,) in the world; returns the palm it has (7,).
 
         Args:
@@ -64,10 +70,12 @@ class Tracking:
             spine: place (3,) and rotation (4,) of the spine link as it is about to be.
             time: share of the reach's: towards either end the arm may be stretched further.
             near: things that the elbow swings out of.
+            most: metres from the shoulder that the wrist is to be by now at the most.
         """
-        self._near = near
+        self._near, self._most = near, most
         wanted = self._allowed(palm, spine, time)
-        self._speed = speed_towards(self.links, wanted, self._speed, _FASTEST, _GAINS)
+        fastest = _FASTEST - _AT_FIRST * float(np.clip((_USUAL - time) / (_USUAL - _UNTIL), 0.0, 1.0))
+        self._speed = speed_towards(self.links, wanted, self._speed, fastest, _GAINS)
         self._brake()
         self.links = multiply(self.links, from_rotation_vector(self._speed))
         return self._palm(self.links, spine)
@@ -140,6 +148,7 @@ class Tracking:
         share = float(minimum_jerk(np.array([1.0 - time / _BEGINS, 1.0 - (1.0 - time) / _ENDS])).max())
         nearly = (_NEARLY + share * (_AT_END - _NEARLY)) * reacher.length
         span = (_FULLY + share * (_STIFF - _FULLY)) * reacher.length - nearly
+        nearly = min(nearly, self._most - span)
         off = reacher.hand(palm)[0] - reacher.shoulder(spine)
         distance = float(np.linalg.norm(off))
         if distance <= nearly:

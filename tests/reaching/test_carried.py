@@ -11,7 +11,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.smoothness import pops
+from ahmss.motion.smoothness import angular_steps, pops
 from ahmss.reaching.carried import Carried
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.prism import Prism, clearance
@@ -119,3 +119,19 @@ def test_a_hand_that_hangs_far_before_a_table_is_over_its_top_before_it_comes_to
         gaps.append(float((clearance([table], points) - radii).min()))
     assert min(gaps) > 0.003, int(np.argmin(gaps))
     assert gaps[-1] < 0.02
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_the_arm_of_who_comes_on_fast_is_bent_before_it_has_to_bend_at_once(side: str) -> None:
+    """A body that comes on by 18 mm a frame: stretched out to the last, the arm is bent late and the hand 71 mm off."""
+    step, frames, reacher = np.array([0.018, 0.0, 0.0]), 60, Reacher.of(HUMAN, side)
+    place = ROOT + frames * step + np.array([0.4, 0.2 if side == "left" else -0.2, 0.15])
+    hand = Carried(HUMAN, Goal(place, around=np.array([0, 0, 0, 1.0, 0, 0, 0])), ROTATIONS, ROOT, [side])
+    given, targets, made = ROTATIONS.copy(), np.zeros((5, 8)), list[Array]()
+    for k in range(frames):
+        root = ROOT + (k + 1) * step
+        given, targets[ROW[side]], _ = hand.step(given, root, (k + 1) / frames, (frames - k - 1) * step)
+        made.append(solve(HUMAN, given, root, targets)[reacher.links])
+    turned = np.degrees(np.linalg.norm(angular_steps(np.array(made)), axis=-1))
+    assert 2.0 < turned[frames // 2 :].max() < 5.2
+    assert hand.short < 0.015

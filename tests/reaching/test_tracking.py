@@ -12,7 +12,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.smoothness import pops
+from ahmss.motion.smoothness import angular_steps, pops
 from ahmss.reaching.comfort import palms_at
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, seat
@@ -106,6 +106,14 @@ def test_what_is_too_far_away_is_stretched_for_and_stiffly_only_at_the_ends(side
         wrist, _ = arm.reacher.hand(had)
         stretched = np.linalg.norm(wrist - arm.reacher.shoulder(SEAT)) / arm.reacher.length
         assert least < stretched < most
+
+
+@pytest.mark.parametrize("side", MIRRORED)
+def test_no_joint_is_fast_at_first_when_what_is_shown_still_catches_up(side: str) -> None:
+    for time, least, most in ((0.0, 4.0, 4.41), (0.3, 4.0, 4.41), (0.4, 4.9, 5.21), (0.5, 5.5, 6.01)):
+        arm = Arm(side)
+        arm.go(arm.easy(0.2, 0.25), 40, time)
+        assert least < np.degrees(np.linalg.norm(angular_steps(np.array(arm.links)), axis=-1)).max() < most
 
 
 def test_a_joint_gains_speed_and_brakes_as_told() -> None:
