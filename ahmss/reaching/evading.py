@@ -25,7 +25,8 @@ __all__ = ["Evading"]
 _STARTS = 0.005  # metres a frame by which a hand that goes aside gains speed from one frame to the next
 _SOFTLY, _SOFTER = 0.015, 0.3  # metres over which a hand is kept out of things; of its way to its place
 _LOOKS = 2.0  # frames ahead that a hand is seen to, if it goes on as it does
-_FASTEST = np.radians(6.2)  # that a joint turns in a frame, beyond which a hand goes no further aside
+_FASTEST, _HASTENS = np.radians([6.2, 6.7])  # that a joint turns in a frame, beyond which a hand goes no further aside
+_FAR = 0.02  # metres that it still has to go, from where on it hastens
 _STEPS = np.linspace(1.0, 0.0, 6)
 _SHARES = np.array([(out, back) for out in _STEPS for back in _STEPS])  # of what it would go in a frame: those tried
 _TINY = 1e-6
@@ -74,10 +75,11 @@ class Evading:
         # Out of things it goes before it comes back from where it was out of others.
         way = wanted / max(float(np.linalg.norm(wanted)), _TINY)
         out = max(float(speed @ way), 0.0) * way
+        fastest = _HASTENS if size > _FAR else _FASTEST
         for shares in (_SHARES[:1], _SHARES[1:]):  # most often it may go as far as it would
             speeds = shares[:, :1] * out + shares[:, 1:] * (speed - out)
             arms, turned = self._arms(links, self.aside + speeds, spine)
-            slow = np.flatnonzero(turned <= _FASTEST)
+            slow = np.flatnonzero(turned <= fastest)
             if len(slow):
                 break
         best = int(slow[0]) if len(slow) else int(turned.argmin())
