@@ -37,6 +37,7 @@ _LIKELY = 0.8  # how much it counts that who walks may stop
 _SURE, _UNSURE = (0.8, 2.4), (1.0, 0.5)  # how much it counts (the latter) after so many seconds that who walks goes on
 _SWAY = 0.09  # metres that hips go to a side before a step: one comes no nearer by it
 _HARDLY = 0.03  # metres that one who tells where they go is to come nearer to count
+_HEELS, _LEAST = 0.3, 1e-3  # metres that who is followed needs more; less than that in 0.1 s is no direction
 _CLOSE, _TURNS, _TOUCHING = 0.78, 0.2, 0.42  # metres: who is so near may come so much nearer in turning, to leave
 _COMMITTED, _SET_OUT = 0.5, 0.8  # m/s: slower ones may still call off a start; slower ones may go any way
 _LAG = 0.06  # seconds by which others are seen late: of two of whom either may be ahead then, both yield
@@ -143,15 +144,27 @@ def _crosses(other: Walker, own: Array) -> float:
 
 
 def _approaching(own: Array, others: Sequence[Walker]) -> Iterator[Array]:
-    """How far those are (n,) who come nearer."""
+    """How far those are (n,) who come nearer: who is followed seems nearer, for their feet are behind them."""
     for other in others:
-        away = np.linalg.norm(own - other.after(_times(own)), axis=-1)
+        there = other.after(_times(own))
+        away = np.linalg.norm(own - there, axis=-1)
         if other.stays and away[0] < _CLOSE and away.min() > _TOUCHING:
             nearer = _TURNS
         else:
             nearer = _SWAY if other.way is None or other.stays else _HARDLY
+        if not other.stays:
+            away = away - _HEELS * _follows(own, there)
         if away.min() < away[0] - nearer:
             yield away
+
+
+def _follows(own: Array, there: Array) -> Array:
+    """How much (n,) one who is at `own` (n, 2) is behind another at `there` who goes the same way, from 0 to 1."""
+    steps, theirs, towards = np.gradient(own, axis=0), np.gradient(there, axis=0), there - own
+    lengths = [np.linalg.norm(way, axis=-1) + _LEAST for way in (steps, theirs, towards)]
+    same = np.einsum("ni,ni->n", steps, theirs) / (lengths[0] * lengths[1])
+    ahead = np.einsum("ni,ni->n", steps, towards) / (lengths[0] * lengths[2])
+    return np.clip(2.0 * same - 1.0, 0.0, 1.0) * np.clip(3.0 * ahead - 2.0, 0.0, 1.0)
 
 
 def _times(own: Array) -> Array:

@@ -33,6 +33,10 @@ _STANDS = 0.05  # metres in the last 0.4 s of a way: who tells that will stand t
 _WAITS = 1.5  # metres from one's way: who has waited long there may wait for oneself
 _ASIDE = 0.85  # metres that one steps aside for who wants to be where one is
 _COMING, _BETTER = 0.5, 0.1  # metres: who comes so near to one who stands is dodged, for so much more room
+_AROUND = np.stack([[np.cos(a), np.sin(a)] for a in np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)])
+_FARTHER, _SPOTS, _STRAIGHT = (1.0, 1.5, 2.1, 2.8), 8, 1.3  # of _ASIDE; places that are tried; ways of the straight one
+_HARDLY = 0.02  # metres less than _ASIDE that serve
+_ROOM, _LEFT = 0.72, 0.2  # metres: who is nearer is brushed by who passes; how far one goes until one passes
 _BESIDE = 1.0  # metres: out of who stands so near one keeps as out of things, in setting out
 _THICK, _THIN, _OWN = 0.34, 0.1, 0.27  # metres: how thick they are at the most, at the least; half of one's own width
 _SPOT, _BACK = 0.2, np.radians(110.0)  # metres in which who turns by more doubles back
@@ -115,31 +119,55 @@ class Planner:
                 return found
         return None
 
-    def aside(self, now: Footing, others: Sequence[Walker], *, tired: bool = False) -> Journey | None:
+    def aside(
+        self, now: Footing, others: Sequence[Walker], *, tired: bool = False, late: bool = False
+    ) -> Journey | None:
         """A step out of the way of who waits at the goal and goes first; None: there is nobody, or no room.
 
-        To the right if there is room, else to the left.
+        To the right if there is room, else to the left, else to where there is.
 
         Args:
             now: where one stands. others: who is about.
             tired: whether one has waited long: then also for who waits beside the goal, or the way to it.
+            late: whether there may be no room for that: then also for who would go second, and though one may not get
+                to the goal afterwards.
         """
         line = shapely.LineString(np.stack([now.place, self.goal]))
         for other in others:
             way = other.place - now.place
             there = float(np.linalg.norm(other.place - self.goal)) < _APART
             there |= tired and other.stays and shapely.distance(line, shapely.Point(other.place)) < _WAITS
-            if not there or other.way is None or not other.precedes(now.place):
+            if not there or other.way is None or not (other.precedes(now.place) or late):
                 continue
-            right = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
-            for side in (_ASIDE * right, -_ASIDE * right):
+            for spot in self._spots(now.place, way):
                 with contextlib.suppress(NoWay):
                     circles = self.circles(now.place, others)
-                    course = self.course(now.place, now.heading, circles, now.place + side)
+                    course = self.course(now.place, now.heading, circles, spot)
                     away = self._journey(now, course, now.heading)
-                    if course.length < 1.2 * _ASIDE and not held_up(beginning(away, 0), others, begun=False):
-                        return away
+                    straight = float(np.linalg.norm(spot - now.place))
+                    if course.length > _STRAIGHT * straight or held_up(beginning(away, 0), others, begun=False):
+                        continue
+                    if not late:  # one gets to the goal from there, past who came
+                        taken = (float(now.place[0]), float(now.place[1]), _APART - IMPATIENT - RADIUS)
+                        self.course(spot, now.heading, [taken])
+                    return away
         return None
+
+    def _spots(self, place: Array, way: Array) -> list[Array]:
+        """Places (2,) near to one's own that are off the way (2,) to who wants to be there, and free; the best first.
+
+        Those at one's right and left hand, then others, the nearest first.
+        """
+        length = max(float(np.linalg.norm(way)), 1e-9)
+        right = np.array([way[1], -way[0]]) / length
+        spots = [place + _ASIDE * right, place - _ASIDE * right]
+        spots += [place + (far * _ASIDE) * turned for far in _FARTHER for turned in _AROUND]
+        theirs = shapely.LineString(np.stack([place, place + way]))
+        points = shapely.points(np.array(spots))
+        away = np.asarray(shapely.distance(theirs, points)) > _ASIDE - _HARDLY
+        if len(self.things):
+            away &= np.asarray(shapely.distance(self.things[:, None], points)).min(axis=0) > RADIUS
+        return [spots[i] for i in np.flatnonzero(away)[:_SPOTS]]
 
     def dodge(self, now: Footing, others: Sequence[Walker]) -> Journey | None:
         """A step out of the way of who comes to where one stands; None: nobody does, or there is no better place.
@@ -163,6 +191,29 @@ class Planner:
                 if course.length < 1.2 * _ASIDE and near > room:
                     best, room = away, near
         return best
+
+    def retreat(self, now: Footing, going: Journey, others: Sequence[Walker]) -> Journey | None:
+        """A step back from who stands so near that one would brush past them; None: there is nobody, or no room.
+
+        Args:
+            now: where one stands. going: how one would go. others: who is about.
+        """
+        own = beginning(going, 0)
+        left = np.linalg.norm(own - own[0], axis=-1) > _LEFT
+        for other in others:
+            if not other.stays or not left.any():
+                continue
+            away = now.place - other.place
+            length = max(float(np.linalg.norm(away)), 1e-9)
+            if np.linalg.norm(own[left] - other.place, axis=-1).min() > min(_ROOM, length) or length > _ROOM:
+                continue
+            with contextlib.suppress(NoWay):
+                place = now.place + (_APART - length) / length * away
+                course = self.course(now.place, now.heading, self.circles(now.place, others), place)
+                back = self._journey(now, course, now.heading)
+                if not held_up(beginning(back, 0), others, begun=False):
+                    return back
+        return None
 
     def course(self, place: Array, heading: float, circles: Sequence[Circle] = (), goal: Array | None = None) -> Course:
         """The way from a place (2,) and heading to the goal, or another, round things and circles.

@@ -76,6 +76,7 @@ class Trip:
         self._made = self._waited = 0  # frames: of the trip so far, and of these for how many one has waited
         self._taken = 0  # frames that one has waited for who just stands at the goal
         self._asides = 0  # steps out of another's way
+        self._back = False  # whether one has stepped back as one stands
         self._notes = set[str]()  # why one waits: what has been told of it
         self._side, self._sided = 0.0, 0  # on which others are passed, and since which frame
         self._pace = Pace()
@@ -238,7 +239,7 @@ class Trip:
         Args:
             stands: the frame in which one stands. now: where.
         """
-        stood, again = 0, 0
+        stood, again, self._back = 0, 0, self._made == 0  # who begins leaves from where they stand
         while self._waited < _PATIENCE * RATE and self._taken < _TAKEN * RATE:
             if self.rests():
                 return None
@@ -246,19 +247,22 @@ class Trip:
                 again = _AGAIN
                 away = self.planner.dodge(now, self.others())
                 if away is None and self._asides < len(_YIELDS) and stood >= _YIELDS[self._asides] * RATE:
-                    away = self.planner.aside(now, self.others(), tired=self._waited > _STUCK * RATE)
+                    away = self.planner.aside(
+                        now, self.others(), tired=self._waited > _STUCK * RATE, late=self._waited > _TIRED * RATE
+                    )
                     self._asides += away is not None
                 if away is not None:
-                    made, away = yield from self._set_in_motion(away)
-                    if made:
-                        yield piece(away, made, away.seams[-1])
-                        stood = 0
-                    end = -1 if made else 0
-                    stands, now = standing_piece(away, end), footing_at(away, end)
+                    stands, now = yield from self._stepped(away)
+                    stood = 0
                 others = self.others()
                 window = _WINDOW if any(other.way is not None or other.stays for other in others) else 0
                 soon = _later(others, window)
                 going = self.planner.free(now, soon, self._left(window), self._nearer(others), tired=self._tired)
+                back = None if going is None or self._back else self.planner.retreat(now, going, others)
+                if back is not None:
+                    stands, now = yield from self._stepped(back)
+                    self._back, again = True, 0
+                    continue
                 if going is not None:
                     hinder = (yield from self._announced(going, stands, soon, window)) if window else []
                     if not hinder:
@@ -270,6 +274,14 @@ class Trip:
             yield stands
             stood, again, self._waited = stood + 1, again - 1, self._waited + 1
         raise AlgorithmError(in_vain(self.others(), now.place, self.goal))
+
+    def _stepped(self, away: Journey) -> Generator[Piece, None, tuple[Piece, Footing]]:
+        """The frames of a step aside, unless it is called off; the frame in which one stands then, and where."""
+        made, away = yield from self._set_in_motion(away)
+        if made:
+            yield piece(away, made, away.seams[-1])
+        end = -1 if made else 0
+        return standing_piece(away, end), footing_at(away, end)
 
     def _announced(
         self, going: Journey, stands: Piece, others: Sequence[Walker], window: int

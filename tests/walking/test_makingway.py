@@ -221,3 +221,14 @@ def test_what_is_told_is_more_certain_than_what_is_guessed() -> None:
     ]
     assert costs[0] > 1.5 * costs[1]
     assert SAFE < MET
+
+
+def test_who_is_followed_is_kept_farther_from_than_who_goes_beside_or_comes() -> None:
+    own = straight().at(1.2 * LOOKED)[0]
+    behind, beside, comes = (
+        least(own, [telling(place, velocity)])
+        for place, velocity in (((1.6, 0.0), (0.85, 0.0)), ((0.1, 1.2), (1.2, -0.2)), ((3.3, 0.78), (-1.2, 0.0)))
+    )
+    assert behind == pytest.approx(1.6 - 0.35 * 2.4 - 0.3, abs=0.03)
+    assert beside == pytest.approx(1.2 - 0.2 * 2.4, abs=0.02)
+    assert comes == pytest.approx(0.78, abs=0.02)

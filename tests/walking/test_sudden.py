@@ -119,3 +119,38 @@ def test_nobody_steps_aside_for_who_passes_by_or_where_it_is_of_no_use() -> None
     assert planner.dodge(now, [comes]) is not None
     assert planner.dodge(now, [strolls((2.4, 0.6), 180.0, 0.0)(30)]) is None
     assert planner.dodge(now, [strolls((0.6, 0.05), 180.0, 0.0)(24)]) is None
+
+
+def stander(place: Array) -> Walker:
+    return Walker(place, np.zeros(2), name="aiko", way=np.repeat(place[None], len(AHEAD), axis=0))
+
+
+def test_who_stands_close_before_somebody_steps_back_before_going_round_them() -> None:
+    body = m.subject("ken")
+    planner = Planner(body.skeleton, m.library(), Ground(), np.array([3.0, 0.0]), None)
+    now = Footing(body.standing.ankles, body.standing.headings, np.zeros(2), 0.0)
+    going = planner.walk(now)
+    near, beside, behind = (stander(np.array(place)) for place in ((0.55, 0.1), (0.0, 0.6), (-0.6, 0.0)))
+    back = planner.retreat(now, going, [near])
+    assert back is not None
+    assert np.linalg.norm(back.line.course.points[-1] - near.place) == pytest.approx(0.8, abs=0.01)
+    assert planner.retreat(now, going, [beside, behind]) is None
+
+
+def test_where_there_is_no_room_at_either_hand_one_steps_aside_farther_on() -> None:
+    body = m.subject("ken")
+    walls = [np.array([[-4.0, y], [0.9, y], [0.9, y + 0.1], [-4.0, y + 0.1]]) for y in (-0.6, 0.5)]
+    walls.append(np.array([[-4.1, -0.6], [-4.0, -0.6], [-4.0, 0.6], [-4.1, 0.6]]))
+    ground = Ground(walls, ["left", "right", "back"], [1.0, 1.0, 1.0])
+    goal = np.array([1.6, 0.0])
+    planner = Planner(body.skeleton, m.library(), ground, goal, None)
+    now = Footing(body.standing.ankles, body.standing.headings, np.zeros(2), 0.0)
+    assert planner.aside(now, [stander(goal)]) is None  # in a lane with who waits at its mouth
+    there = Footing(body.standing.ankles + goal, body.standing.headings, goal, 0.0)
+    out = Planner(body.skeleton, m.library(), ground, np.zeros(2), None)
+    assert out.aside(there, [stander(np.zeros(2))]) is None  # who goes first does not
+    late = out.aside(there, [stander(np.zeros(2))], late=True)
+    assert late is not None
+    spot = late.line.course.points[-1]
+    assert 0.8 < np.linalg.norm(spot - goal) < 2.5
+    assert abs(spot[1]) > 0.8
