@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from concurrent.futures import ThreadPoolExecutor
 
@@ -165,13 +166,15 @@ def test_a_recording_holds_ways_and_is_played_with_them(start, connect, tmp_path
         world = World()
         assert [told(reader.show(tick, world), "ken") for tick in range(10)] == [3 <= k <= 7 for k in range(1, 11)]
         assert [bool(reader.snapshot(tick).ways) for tick in (0, 2)] == [False, True]
-    server = start(recording=again)
-    replay(path, server.address, speed=0.2)
-    server.stop()
-    with Reader(again) as reader:
-        seen = [told(world, "ken") for tick in range(len(reader)) if "ken" in reader.show(tick, world).humans]
-    assert seen[0] is seen[-1] is False
-    assert any(seen)
+    for _ in range(5):  # by the clock a server that gets no processor for long sees the newest frame alone
+        server = start(recording=again)
+        replay(path, server.address, speed=0.2)
+        server.stop()
+        with Reader(again) as reader:
+            seen = [told(world, "ken") for tick in range(len(reader)) if "ken" in reader.show(tick, world).humans]
+        if [change for change, _ in itertools.groupby(seen)] == [False, True, False]:
+            return
+    pytest.fail(f"of the ways of a recording that is played came {seen}")
 
 
 def test_a_recording_from_before_there_were_ways_is_read(start, connect, tmp_path, monkeypatch):
