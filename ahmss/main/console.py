@@ -96,12 +96,15 @@ class Console:
         except EOFError:
             return False
         except KeyboardInterrupt:
-            self._main.stop_motion()
-            self._dialogue.reset()
-            self._terminal.say("stopped")
+            self._stop()
         except AhmssError as error:
             self._terminal.say(str(error))
         return True
+
+    def _stop(self) -> None:
+        self._main.stop_motion()
+        self._dialogue.reset()
+        self._terminal.say("stopped")
 
     def _show(self, question: Question) -> None:
         """What there is to choose from; the objects only at first and when others have come or gone."""
@@ -126,8 +129,7 @@ class Console:
             case "list":
                 self._terminal.show(self.catalogue.objects())
             case "stop":
-                self._main.stop_motion()
-                self._dialogue.reset()
+                self._stop()
             case _:
                 line = self._dialogue.answer(text)
                 if line is not None:
