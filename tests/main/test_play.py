@@ -303,7 +303,7 @@ def test_interrupt_stops_the_motion_and_not_the_console(workspace: Path, server:
                 break
         time.sleep(0.3)
         os.kill(console.pid, signal.SIGINT)
-        rest, _ = console.communicate("wait 600\nstop\nremove b\nquit\n", timeout=30)
+        rest, _ = console.communicate("stop\nremove b\nquit\n", timeout=30)
     finally:
         console.kill()
         console.wait()
