@@ -31,9 +31,11 @@ _learned: set[tuple[str, int, int]] = set()
 def learn(request: Request) -> bool:
     """Compile the program, import the libraries that it names, read its clips; True if any of it was new.
 
-    What can't be read is left for the worker to stumble over, which has somebody to tell.
+    What can't be read is left for the worker to stumble over, which has somebody to tell. `others` likewise.
     """
     news = False
+    for other in request.others:
+        news |= learn(other)
     for path, frames in (
         *((path, 0) for path in request.argv[:1]),
         *((clip, request.frames) for clip in request.clips),

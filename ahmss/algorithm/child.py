@@ -51,8 +51,9 @@ class Request(msgspec.Struct, frozen=True):
     """What the pool is asked to run: a Python file, its arguments, the folder to run it in.
 
     clips: those that it will want; frames: how many it was asked for, so that the clips can be resampled ahead.
-    ahead: nothing is run, but the pool reads all that ahead as if it had been. kinds: of objects, of the workspace in
-    the folder, whose distances are made then; cache: main's XDG_CACHE_HOME, which need not be the pool's.
+    ahead: nothing is run, but the pool reads all that ahead as if it had been. others: more that it reads then. kinds:
+    of objects, of the workspace in the folder, whose distances are made then; cache: main's XDG_CACHE_HOME, which need
+    not be the pool's.
     """
 
     argv: tuple[str, ...]
@@ -60,6 +61,7 @@ class Request(msgspec.Struct, frozen=True):
     clips: tuple[str, ...] = ()
     frames: int = 0
     ahead: bool = False
+    others: tuple[Request, ...] = ()
     kinds: tuple[str, ...] = ()
     cache: str = ""
 

@@ -23,6 +23,7 @@ from ahmss.errors import AhmssError
 __all__ = ["Entry", "Launcher"]
 
 _NAP = 0.002  # seconds between looks at a process whose exit status is still to come
+_TOGETHER = 16  # programs in one request, which is to be shorter than the pool takes
 _GLANCE = 0.05  # seconds between looks at one that says nothing: it may have died, or be past its deadline
 
 
@@ -113,6 +114,16 @@ class Launcher:
         script = _script(entry)
         if script is not None:
             self._send(Request(script, str(entry.directory), (str(motion),), ahead=True))
+
+    def expect(self, programs: Iterable[tuple[Entry, Path | None, int]]) -> None:
+        """As `prepare`, of all that may be started some time: algorithms, their motion data or None, their frames."""
+        requests = [
+            Request(script, str(entry.directory), (str(motion),) if motion is not None else (), frames, ahead=True)
+            for entry, motion, frames in programs
+            if (script := _script(entry)) is not None
+        ]
+        for first in range(0, len(requests), _TOGETHER):
+            self._send(Request((), "", ahead=True, others=tuple(requests[first : first + _TOGETHER])))
 
     def foresee(self, root: Path, kinds: Iterable[str]) -> None:
         """Have a process of the pool make, as nothing else is to be done, what hands will ask of the shapes of objects.

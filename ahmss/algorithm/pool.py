@@ -35,12 +35,12 @@ _LISTENER = 3
 _READY = 8  # workers forked ahead
 _LOOK = 2.0  # seconds between looks at whether the pool is still wanted
 _FEW = 2  # waiting workers below which the pool forks at once; else it leaves the processor to those that start
-_PAUSE = 0.02  # seconds without a request after which it forks, and learns what the requests named
-_QUIET = 0.1  # seconds without a request after which old workers are replaced by ones that know more
+_PAUSE = 0.1  # seconds without a request after which it forks, and learns what the requests named
 _GRACE = 1.0  # seconds that a worker may outlive its main
 _HEAVY = ("ahmss.motion.resample",)  # it brings scipy
 _DEATHS = 20  # workers that may die unasked before the pool gives up
 _LARGEST_NOTICE = 1 << 16
+_REHEARSED = b"ready"
 
 
 @dataclass(eq=False)
@@ -51,6 +51,7 @@ class _Worker:
     pidfd: int
     notice: socket.socket  # here it tells what it has taken
     knowledge: int  # how much the pool had learned when it was forked
+    rehearsed: bool = False  # it waits; before that it takes a processor for some hundredths of a second
     main: socket.socket | None = None  # whose child it has become
     retired: bool = False
     orphaned: float | None = None  # when its main was seen to be gone
@@ -88,7 +89,6 @@ class _Pool:
             if now - self._last_request > _PAUSE or len(self._waiting()) < _FEW:
                 self._learn()
                 self._fill()
-            if now - self._last_request > _QUIET:
                 self._retire_ignorant()
             if now > next_look:
                 next_look = now + _LOOK
@@ -106,10 +106,9 @@ class _Pool:
 
     def _patience(self) -> float:
         """Seconds until something may be due."""
-        if self._heard or len(self._waiting()) < _READY:
+        short = self._heard or self._ignorant() or len(self._waiting()) < _READY
+        if short or any(w.orphaned is not None for w in self._workers):
             return _PAUSE
-        if any(w.orphaned is not None for w in self._workers) or self._ignorant():
-            return _QUIET
         return min(_LOOK, self._linger)
 
     # --- workers ------------------------------------------------------------------------------------------------------
@@ -123,8 +122,13 @@ class _Pool:
         return [w for w in self._waiting() if w.knowledge < self._knowledge]
 
     def _fill(self) -> None:
-        """Fork until enough are waiting."""
-        for _ in range(_READY - len(self._waiting())):
+        """Fork until enough are waiting: all at once where none is ready, else one after the other.
+
+        The motions that are under way want the processors.
+        """
+        waiting = self._waiting()
+        ready = sum(w.rehearsed for w in waiting)
+        for _ in range(min(_READY - len(waiting), 1 - (len(waiting) - ready) if ready else _READY)):
             self._fork()
 
     def _fork(self) -> None:
@@ -141,13 +145,16 @@ class _Pool:
         self._watch(member.pidfd, lambda: self._bury(member))
 
     def _hear(self, member: _Worker) -> None:
-        """A worker tells what it has taken: remember whose child it is, and learn for those to come."""
-        try:
-            data, descriptors, _, _ = socket.recv_fds(member.notice, _LARGEST_NOTICE, 1)
-        except BlockingIOError:
-            return
-        except OSError:
-            data, descriptors = b"", []
+        """A worker tells that it is ready, or what it has taken: remember whose child it is, learn for others."""
+        data, descriptors = _REHEARSED, list[int]()
+        while data == _REHEARSED:
+            try:
+                data, descriptors, _, _ = socket.recv_fds(member.notice, _LARGEST_NOTICE, 1)
+            except BlockingIOError:
+                return
+            except OSError:
+                data, descriptors = b"", []
+            member.rehearsed |= data == _REHEARSED
         if not data or not descriptors:
             self._forget(member.notice.fileno())
             return
@@ -199,9 +206,10 @@ class _Pool:
         self._workers.discard(member)
 
     def _retire_ignorant(self) -> None:
-        """Let those go that know less than the pool does; `_fill` forks others."""
-        for member in self._ignorant():
-            self._retire(member)
+        """Let one go that knows less than the pool does, where all are ready; `_fill` forks another."""
+        waiting, ignorant = self._waiting(), self._ignorant()
+        if ignorant and len(waiting) == _READY and all(w.rehearsed for w in waiting):
+            self._retire(ignorant[0])
 
     def _retire(self, member: _Worker) -> None:
         """Tell a waiting worker to end. One that takes a request at this moment still does it."""
@@ -251,7 +259,9 @@ def _be_worker(notice: int) -> None:
         os.closerange(_LISTENER + 2, 1 << 16)
         gc.enable()
         rehearse()
-        worker.serve(socket.socket(fileno=_LISTENER), socket.socket(fileno=_LISTENER + 1))
+        pool = socket.socket(fileno=_LISTENER + 1)
+        pool.send(_REHEARSED)  # where the pool is gone this raises, and the worker ends
+        worker.serve(socket.socket(fileno=_LISTENER), pool)
     finally:
         os._exit(1)
 

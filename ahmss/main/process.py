@@ -18,6 +18,7 @@ from ahmss.main.blending import Blending
 from ahmss.main.communication import Communication
 from ahmss.main.control import Control
 from ahmss.main.database import Actor, Database
+from ahmss.main.expected import programs
 from ahmss.main.layout import Layout
 from ahmss.main.pace import Pace
 from ahmss.main.port import HumanModelPort
@@ -114,6 +115,7 @@ class MainProcess:
         launcher = Launcher(deadlines=deadlines, notice=say)
         for entry, motion in self.database.walks():  # a library takes longer to read than a motion may take to start
             launcher.prepare(entry, motion)
+        launcher.expect(programs(self.workspace))
         self.control = Control(
             self.database, self.communication, launcher, self.trouble,
             self.note, lambda: self.actor, rate=setup.rate, seed=setup.seed,

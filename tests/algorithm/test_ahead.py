@@ -48,3 +48,13 @@ def test_a_clip_is_no_walk_library(tmp_path):
     clips.save(clips.Clip(rotations, np.zeros((4, 3)), np.ones((4, 44)), np.ones((4, 2)), 60.0), path)
     assert cache.library(str(path)) is None
     assert cache.clip(str(path)).frames == 4
+
+
+def test_what_is_read_beside_a_request_is_learned_as_it_is(program, tmp_path):
+    path = tmp_path / "wave.npz"
+    rotations = np.tile([1.0, 0.0, 0.0, 0.0], (4, 43, 1))
+    clips.save(clips.Clip(rotations, np.zeros((4, 3)), np.ones((4, 44)), np.ones((4, 2)), 60.0), path)
+    both = Request((), "/", ahead=True, others=(Request((program,), "/"), Request((program,), "/", (str(path),), 7)))
+    assert ahead.learn(both)
+    assert not ahead.learn(Request((program,), "/", (str(path),), 7))
+    assert cache._resampled[str(path), 8][1].frames == 8
