@@ -76,6 +76,7 @@ class AffordanceEntry(msgspec.Struct, forbid_unknown_fields=True):
     needs: dict[str, float] = {}
     frames: int = 60
     hold: Literal["", "take", "keep", "release", "give", "receive"] = ""
+    first: str = ""
 
 
 class ForwardEntry(msgspec.Struct, forbid_unknown_fields=True):
@@ -156,6 +157,9 @@ class _Reader:
             if of and of not in [entry.name for entry in contains]:
                 have = ", ".join(entry.name for entry in contains) or "nothing"
                 raise self.error(("affordances", name_of, "of"), f'contains no "{of}"; this object contains: {have}')
+            if (first := raw.get("first", "")) and first not in top.affordances:
+                have = ", ".join(top.affordances)
+                raise self.error(("affordances", name_of, "first"), f'no action "{first}"; this object has: {have}')
         sites = {n: self._site(v, ("sites", n)) for n, v in top.sites.items()}
         return ObjectKind(
             name=name,
@@ -280,4 +284,5 @@ class _Reader:
             needs=entry.needs,
             frames=entry.frames,
             hold=entry.hold,
+            first=entry.first,
         )

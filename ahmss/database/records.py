@@ -59,6 +59,7 @@ class Affordance(msgspec.Struct, frozen=True):
     hold: "" (an object algorithm claims the object for the motion only), "take" (the object is claimed and its
     algorithm goes on after the motion), "keep" (must be held by this human), "release" (lets it go); of a human "give"
     (what is in the hand becomes theirs) and "receive" (what they hold becomes one's own).
+    first: the name of the action that brings the hand to the object, made first by whose hand is not there yet.
     of: the name of what the object contains and what affords the action in its place; "": the object itself.
     """
 
@@ -74,6 +75,7 @@ class Affordance(msgspec.Struct, frozen=True):
     needs: dict[str, float] = {}
     frames: int = 60
     hold: str = ""
+    first: str = ""
     of: str = ""
 
 

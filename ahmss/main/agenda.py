@@ -191,7 +191,7 @@ class Agenda:
         self._check_name(line.human)
         main = self._main
         actor = main.actor
-        orders = [main.database.order(act, main.communication, actor) for act in line.acts]
+        orders = main.database.orders(line.acts, main.communication, actor)
         refuse_two_carriers(orders)
         main.control.begin(orders)
         seconds = longest(orders) / self._setup.rate

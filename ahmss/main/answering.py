@@ -183,7 +183,7 @@ class Answering:
         """Refuse what can't be done: by its names at any time, by the states only where it begins at once."""
         main = self._main
         scene, actor = main.communication, main.actor
-        orders = [main.database.order(act, scene, actor) for act in line.acts]
+        orders = main.database.orders(line.acts, scene, actor)
         refuse_two_carriers(orders)
         if not main.agenda.done:
             return

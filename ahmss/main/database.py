@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import difflib
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from ahmss.main.command import Act, Value
 from ahmss.main.company import KIND, Everything
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
 from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
+from ahmss.main.tops import height_of_what_is_under, place_on_top
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
@@ -37,6 +39,7 @@ PATIENCE = "patience"
 _PATIENCE, _MOST_PATIENCE = 10.0, 3600.0  # seconds: where nobody says, and at the most
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
 _AT_IT = 0.2  # metres from an object within which a palm is at it
+_REACHED = 0.15  # metres from an object within which a palm need not reach for it any more
 _ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
 
 
@@ -126,10 +129,24 @@ class Database:
         check_files(self.workspace, kind, affordance.name)
         hand = _hand(act, affordance, scene.pose(name), actor, name)
         goal = self._goal(act, scene, scene.pose(name))
+        if "goal_position" in affordance.asks and name in actor.holds:
+            goal = self._put(goal, act, scene, actor, name, hand)
         return Order(
             act, name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
             parameters, object_parameters, patience=_patience(title, act, parameters),
         )  # fmt: skip
+
+    def orders(self, acts: Sequence[Act], scene: Scene, actor: Actor) -> list[Order]:
+        """Resolve a line's acts, each as `order` does; before one that asks for it, what brings the hand there."""
+        found: list[Order] = []
+        for act in acts:
+            order = self.order(act, scene, actor)
+            first = order.affordance.first
+            if first and not act.follows and _away(order.hand, scene.pose(order.object), actor) > _REACHED:
+                found.append(self.order(Act(order.object, first, after=act.after, hand=act.hand), scene, actor))
+                order = replace(order, act=replace(act, after=0, follows=True), after=0)
+            found.append(order)
+        return found
 
     def check(self, order: Order, scene: Scene, actor: Actor) -> None:
         """Whether the motion may start now: its `when`, its `needs`, and who holds the object.
@@ -252,6 +269,16 @@ class Database:
             posture = str(path)
         return messages.Goal(place, None, facing, posture, target)
 
+    def _put(self, goal: messages.Goal, act: Act, scene: Scene, actor: Actor, held: str, hand: str) -> messages.Goal:
+        """The goal of what is put down: a place on the thing that was said, or as high as what is under the place."""
+        place = goal.place
+        if act.goal_object:
+            onto = find_object(scene, act.goal_object)
+            place = triple(place_on_top(self.workspace, scene, held, onto, actor, hand))
+        elif len(act.goal_place) == 2:
+            place = (*act.goal_place, height_of_what_is_under(self.workspace, scene, held, act.goal_place))
+        return msgspec.structs.replace(goal, place=place)
+
 
 def find_object(scene: Scene, name: str) -> str:
     """The full name of an object that was named by it or by its last parts (`cup` for `room/cup`).
@@ -319,6 +346,12 @@ def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str
     hand = "left" if float((pose[:3] - actor.root) @ left) > _ASIDE else "right"
     other = "right" if hand == "left" else "left"
     return other if hand in busy and other not in busy else hand
+
+
+def _away(hand: str, pose: Array, actor: Actor) -> float:
+    """Metres from a palm to an object in a pose (7,)."""
+    palms = grips(actor.skeleton, actor.rotations, actor.root)[:, :3]
+    return float(np.linalg.norm(pose[:3] - palms[1 if hand == "left" else 0]))
 
 
 def _patience(title: str, act: Act, parameters: dict[str, Any]) -> float:

@@ -27,8 +27,9 @@ _INSTRUCTIONS = """\
 You move one human body in a room. Objects say themselves what can be done with them, and that changes with their \
 states and with what you hold. So: list_objects to see what is here; what_can_i_do with one of them; act. What can't \
 be done is refused with the reason and with what would be right: read it, and do that. Most things must be near: walk \
-first, with act(object="floor", action="walk", to="the object's name"). To take a thing: reach, then grasp. act waits \
-for the end and tells what came of it. A switch that is pressed twice is off again: see the states before you act."""
+first, with act(object="floor", action="walk", to="the object's name"). To take a thing: grasp, which reaches for it \
+first. act waits for the end and tells what came of it. A switch that is pressed twice is off again: see the states \
+before you act."""
 _MOST_S = 300.0
 
 

@@ -1,6 +1,7 @@
 """Laying down what is held: it comes over its place, sinks, and the hand opens and draws back the way that it took it.
 
-Who does not reach so far steps to where they do, where the action names a walk library.
+Where the hand is not to let go, it stays as it has put it there. Who does not reach so far steps to where they do,
+where the action names a walk library.
 
 The place is the goal that was said, its own x turned as the human faces away from it; or the site `rest` of what
 contains it, as a cradle.
@@ -68,7 +69,10 @@ def _planned(
     """The plan of a reach to over the place, as it lies best, else turned as the hand that has it can; or why not."""
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     refused: AlgorithmError | None = None
-    for turns in (TURNS, ANYHOW):
+    assert task.object is not None
+    named = task.object.sites.get(task.message.site)
+    is_round = named is not None and named.free_axis == "z"
+    for turns in (ANYHOW,) if is_round else (TURNS, ANYHOW):
         goal = _goal(task, held, heading_of(task.start.rotations, task.start.root), turns)
         try:
             return reaching, (yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP))
@@ -105,7 +109,8 @@ def _rests(task: HumanTask, facing: float, turns: Array) -> Transform:
 
 def _then(task: HumanTask, palm: Array) -> tuple[Array, Array]:
     """Palms (n, 7) from over the place down to it, and away while the hand is open; how far it is open (n)."""
-    counts = [round(seconds * task.rate) for seconds in (SINKS, RESTS, OPENS, LEAVES)]
+    seconds = (SINKS, RESTS, OPENS, LEAVES) if task.parameter("let_go", True) else (SINKS, RESTS, 0.0, 0.0)
+    counts = [round(each * task.rate) for each in seconds]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
     over = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3]])

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.hanging import Hanging
+from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.staging import Staged, face, stage
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -50,20 +52,40 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
     staged = stage(task, clip if task.posture is None else _last(clip))
+    frames = np.arange(1, task.length + 1)
     if not task.carried:  # who is carried comes nearer, or goes away
         _check_reach(task, staged)
-    frames = np.arange(1, task.length + 1)
-    if task.carried and staged.clip.header.targets == "face":
+        idle = _Idle(task, staged)
+        yield idle.over(_block(task, staged, frames[:1]))
+        if task.length > 1:
+            yield idle.over(_block(task, staged, frames[1:]))
+        return
+    if staged.clip.header.targets == "face":
         yield from _on_the_way(task, staged, frames)
         return
     yield _block(task, staged, frames[:1])
-    blind = max(task.length - 1, 1) if task.carried else 1
-    if blind > 1:
-        yield _block(task, staged, frames[1:blind])
-    if task.carried:
-        _tell_missed(task, staged)
-    if task.length > blind:
-        yield _block(task, staged, frames[blind:])
+    if task.length > 2:
+        yield _block(task, staged, frames[1:-1])
+    _tell_missed(task, staged)
+    if task.length > 1:
+        yield _block(task, staged, frames[-1:])
+
+
+class _Idle:
+    """The arms of who stands that a clip does not lead: they keep out of things that the trunk brings them to."""
+
+    def __init__(self, task: HumanTask, staged: Staged) -> None:
+        led = staged.local[:, : len(HANDS), 7].any(axis=0)
+        sides = [side for side, leads in zip(HANDS, led, strict=True) if not leads and side not in task.busy]
+        self._prisms = prisms_of(task)
+        self._arms = [Hanging(task.human, side, task.rate) for side in sides] if self._prisms else []
+
+    def over(self, rows: Array) -> Array:
+        """POSE rows (n, 260), these arms moved aside where they would be in something."""
+        rotations, root = rows[:, 4:176].reshape(-1, 43, 4).copy(), rows[:, 1:4]
+        for arm in self._arms:
+            arm.over(self._prisms, rotations, root)
+        return np.concatenate([rows[:, :4], rotations.reshape(-1, 172), rows[:, 176:]], axis=1)
 
 
 def _on_the_way(task: HumanTask, staged: Staged, frames: Array) -> Iterator[Array]:
@@ -211,15 +233,9 @@ def _as_wide(task: HumanTask, site: Transform) -> Transform:
 
 
 def _goal(task: HumanTask, place: Array) -> Transform:
-    """Where the object shall stand: upright, its own heading kept unless another is asked for.
-
-    At the goal's place; on top of a goal object that has a top.
-    """
+    """Where the object shall stand: upright, its own heading kept unless another is asked for."""
     assert task.object is not None
     upright = normalize(task.object.rotation * np.array([1.0, 0.0, 0.0, 1.0]))
-    onto = task.goal_object
-    if onto is not None and task.message.goal.place is None and "top" in onto.sites:
-        place = onto.site("top", task.start.root).place
     return Transform(place, upright if task.goal_rotation is None else task.goal_rotation)
 
 

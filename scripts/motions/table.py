@@ -1,4 +1,4 @@
-"""What is done at the table: looking up, reaching for the cup, lifting it, drinking, putting it back. Keyframes."""
+"""What is done at the table: looking up, reaching for the cup, lifting it, drinking. Keyframes."""
 
 from __future__ import annotations
 
@@ -48,7 +48,6 @@ def clips(skeleton: Skeleton, scene: Scene) -> dict[str, Clip]:
         "cup/reach.npz": reach(skeleton, scene),
         "cup/lift.npz": lift(skeleton, scene),
         "cup/drink.npz": drink(skeleton, scene),
-        "cup/put.npz": put(skeleton, scene),
     }
 
 
@@ -83,14 +82,6 @@ def drink(skeleton: Skeleton, scene: Scene) -> Clip:
     down = Transform(np.array([-0.32, -0.03, -0.25]), _upright_in_face(0.0))  # the upper arm hangs
     keys.append(Key(1.0, _drinking(skeleton, scene, replace(EASY, right_arm=HOLDING), down), down.row()))
     return keyframes(skeleton, "face", CARRYING | {"head": 1.0}, *keys)
-
-
-def put(skeleton: Skeleton, scene: Scene) -> Clip:
-    """As for the reach, but the cup in the hand; where it goes is the action's goal."""
-    grip = on_cup(scene.cup, scene.cup_radius, 0.0)
-    posture = replace(AT_TABLE, right_arm=REACHING, right_fingers=AROUND, grips={"right": grip.row()})
-    down = Transform(np.zeros(3), UNTURNED)
-    return keyframes(skeleton, "site", CARRYING, Key(1.0, posture, down.row(), np.zeros(3)))
 
 
 # --- postures ---------------------------------------------------------------------------------------------------------

@@ -1,0 +1,88 @@
+"""A cup is grasped and put down as a newcomer says it: without a reach, onto a thing, or out of reach from here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ahmss.body.quaternion import rotate
+from ahmss.main.play import PlaySetup, play_script
+from ahmss.motion.smoothness import worst_pop
+
+from .conftest import CUP, ROOT
+from .recorded import Recorded
+from .scenario import Met, met
+
+pytestmark = pytest.mark.timeout(180)
+
+AGAIN = (1.05, 0.1)  # metres: at the table's other side
+SCRIPT = f"""
+add room
+human ken body ken at -0.6 0.5 facing 0
+do floor walk to cup
+do cup grasp
+do cup lift
+do cup put to table
+do cup release
+do cup grasp
+do cup lift
+do cup put to {AGAIN[0]} {AGAIN[1]}
+do cup release
+do floor stand
+wait 0.2
+"""
+TOP = 0.88  # metres
+
+
+@dataclass(frozen=True)
+class Played:
+    """What was recorded, how often the cup came to rest after it was held, and what the skin was in."""
+
+    shown: Recorded
+    rests: list[np.ndarray]
+    met: list[Met]
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> Played:
+    folder: Path = tmp_path_factory.mktemp("put")
+    (folder / "put.txt").write_text(SCRIPT)
+    assert (
+        play_script(folder / "put.txt", PlaySetup(workspace=str(ROOT), fast=True, record=folder / "r.rec")).failures
+        == 0
+    )
+    shown = Recorded.read(folder / "r.rec", "ken", (CUP,))
+    holders = np.array([holder == "ken" for holder in shown.holders[CUP]])
+    let_go = np.flatnonzero(holders[:-1] & ~holders[1:]) + 1
+    rests = [shown.objects[CUP][min(frame + 10, len(holders) - 1)] for frame in let_go]
+    return Played(shown, rests, met(folder / "r.rec", "ken", ROOT, 4))
+
+
+def test_it_stands_on_the_table_each_time_and_where_it_was_said(played: Played) -> None:
+    assert len(played.rests) == 2
+    for pose in played.rests:
+        assert pose[2] == pytest.approx(TOP, abs=1e-3)
+        assert rotate(pose[3:], np.array([0.0, 0.0, 1.0]))[2] > 0.9999
+    np.testing.assert_allclose(played.rests[1][:2], AGAIN, atol=2e-3)
+    assert np.hypot(*(played.rests[0][:2] - AGAIN)) > 0.4
+
+
+def test_it_is_in_the_hand_until_it_stands(played: Played) -> None:
+    cup = played.shown.objects[CUP]
+    held = [k for k, holder in enumerate(played.shown.holders[CUP]) if holder == "ken"]
+    assert cup[held[0] : held[-1], 2].min() > TOP - 1e-3
+    steps = np.linalg.norm(np.diff(cup[:, :3], axis=0), axis=1)
+    assert steps.max() < 0.05  # it falls nowhere, and nobody throws it
+
+
+def test_nothing_of_the_human_is_in_the_table(played: Played) -> None:
+    worst = [one for one in played.met if one.thing == "room/table"]
+    assert max((one.depth for one in worst), default=0.0) < 0.004, worst[0]
+
+
+def test_no_joint_pops(played: Played) -> None:
+    pop = worst_pop(played.shown.rotations)
+    assert pop.degrees < 5.0, pop
