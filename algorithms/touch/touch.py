@@ -1,14 +1,14 @@
 """Touching a display: the index finger comes onto the glass at a field or a place, and leaves it, or is drawn over it.
 
-The reach is that of `press`, as are the steps to where one reaches it, where the action names a walk library. A touch
-lasts some 130 ms; a finger that is drawn goes by a minimum-jerk profile in the time that Fitts's law gives. The
-object's properties say how large the screen is and which fields are where.
+The reach is that of `press`, as are the steps to where one reaches it, where the action names a walk library, and the
+room that is left to those beside one. A touch lasts some 130 ms; a finger that is drawn goes by a minimum-jerk profile
+in the time that Fitts's law gives. The object's properties say how large the screen is and which fields are where.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,15 +16,18 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, WorldObject, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.controls import in_the_way, stood_before
+from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
+from ahmss.algorithm.reaching import Looking, performed, prisms_of, sides_of
+from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.plan import Reaching
+from ahmss.reaching.performing import Performed
+from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
 
 BEFORE, BACK = 0.035, 0.045  # metres before the glass at which the finger is set, and to which it is drawn back
@@ -55,12 +58,19 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     task, gaze = yield from stood_before(task, goal, in_the_way(task), Looking(task, middle))
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     off = BEFORE * out + begin - middle
-    plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), off)
-    drawn = _drawn(task, plan.palm, out, end - begin)
-    if task.length:
-        drawn = drawn[np.linspace(0, len(drawn) - 1, min(len(drawn), task.length // 2)).round().astype(int)]
-    shape = list(fingers(plan.reacher.side)), pointing(plan.reacher.side)
-    made = yield from performed(task, reaching, plan, gaze, shape, drawn)
+
+    def perform(plan: Plan) -> Generator[Array, None, Performed]:
+        side, drawn = plan.reacher.side, _drawn(task, plan.palm, out, end - begin)
+        if task.length:
+            drawn = drawn[np.linspace(0, len(drawn) - 1, min(len(drawn), task.length // 2)).round().astype(int)]
+        return performed(task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), drawn)
+
+    def touches(plan: Plan, made: Performed) -> float:
+        return crowding(task, made, plan.reacher.side)
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms_of(task), off, perform, touches)
+    if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
+        made = yield from perform(plan)  # the eyes have gone on
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanTask
+from ahmss.algorithm import HumanTask, Transform
 from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.messages import ObjectRecord, SiteRecord
 from ahmss.algorithm.reaching import Looking
@@ -20,8 +20,8 @@ from ahmss.main.company import Body as Shown
 from ahmss.main.company import parts, site_number
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
-from tests.algorithms.devices import begun
-from tests.algorithms.scene import WORKSPACE, Body
+from tests.algorithms.devices import acting, at, before, begun, device, tips
+from tests.algorithms.scene import WORKSPACE, Body, program
 from tests.demo.recorded import Recorded
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -120,3 +120,22 @@ def test_who_reaches_across_keeps_the_elbow_out_of_who_stands_beside(tmp_path: P
         arm = own[:n, side, None] + upper * (own[:n, side + 1] - own[:n, side])[:, None]
         gap = np.linalg.norm(arm[:, :, None] - theirs[:, None], axis=-1).min()
         assert gap > 0.11  # as thick as two upper arms; 0.034 where nobody looks
+
+
+def test_a_display_is_touched_when_the_other_s_hand_has_left_the_field() -> None:
+    frame = at(1.0, 2.0, 1.2)
+    ken, aiko = before("ken", frame, 0.5, 0.28), before("aiko", frame, 0.5, -0.28)
+    assert touching(aiko, ken, frame).notes == []  # his arms hang beside him
+    panel = device("touch_panel", frame, {"page": "pump"})
+    shown = ken.do("touch", begun(ken, panel, "screen", {"field": "start"}))
+    on_it = shown[int(frame.inverse().apply(tips(ken, shown, acting(shown)))[:, 0].argmin())]
+    ken.rotations, ken.root = on_it.rotations, on_it.root
+    assert touching(aiko, ken, frame).notes == ["waits for ken, whose arm is in the way"]
+
+
+def touching(body: Body, other: Body, frame: Transform) -> HumanTask:
+    """The task of one who has touched a field while the other was as they are, who does not move."""
+    panel = device("touch_panel", frame, {"page": "pump"})
+    task = HumanTask(begun(body, panel, "screen", {"field": "start"}, world=[beside(other)]))
+    assert sum(len(rows) for rows in program("touch")(task)) > 60
+    return task
