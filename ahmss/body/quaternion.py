@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ahmss.body import single
 from ahmss.body.array import Array
 
 __all__ = [
@@ -38,12 +39,15 @@ _TIMES: Array = np.array([
     [0, 0, 1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0, -1, 0, 0],
     [0, 0, 0, 1, 0, 0, -1, 0, 0, 1, 0, 0, -1, 0, 0, 0],
 ], float)  # fmt: skip
-_FEW = 1000
+_FEW = 2400
+_NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 _NEARLY_PARALLEL = 1.0 - 1e-9  # above this cosine sin(theta) loses its digits and the chord serves
 
 
 def multiply(p: Array, q: Array) -> Array:
     """The product p q of (..., 4) quaternions (4.4): first the rotation q, then p."""
+    if q.ndim == 1 == p.ndim:
+        return single.multiply(p, q)
     if q.size < _FEW:
         return np.einsum("...i,...ik->...k", p, (q @ _TIMES).reshape(*q.shape[:-1], 4, 4))
     pw, px, py, pz = p[..., 0], p[..., 1], p[..., 2], p[..., 3]
@@ -73,6 +77,8 @@ def inverse(q: Array) -> Array:
 
 def rotate(q: Array, v: Array) -> Array:
     """Vectors (..., 3) turned by unit quaternions (..., 4): `q v q*` ((4.8), whose print has the other direction)."""
+    if q.ndim == 1 == v.ndim:
+        return single.rotate(q, v)
     w, u = q[..., :1], q[..., 1:]
     t = 2.0 * _cross(u, v)
     return v + w * t + _cross(u, t)
@@ -80,6 +86,10 @@ def rotate(q: Array, v: Array) -> Array:
 
 def _cross(a: Array, b: Array) -> Array:
     """The cross product of (..., 3) vectors; numpy's own is several times slower."""
+    if a.ndim == 1 == b.ndim:
+        return single.cross(a, b)
+    if max(a.size, b.size) < _FEW:  # six products in two calls
+        return a.take(_NEXT, -1) * b.take(_AFTER, -1) - a.take(_AFTER, -1) * b.take(_NEXT, -1)
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
@@ -91,6 +101,8 @@ def _cross(a: Array, b: Array) -> Array:
 
 def normalize(q: Array) -> Array:
     """(..., 4) quaternions scaled to length 1."""
+    if q.ndim == 1:
+        return single.normalize(q)
     return q / np.sqrt(norm(q))[..., None]
 
 
@@ -102,6 +114,8 @@ def align(q: Array, reference: Array) -> Array:
 
 def from_rotation_vector(v: Array) -> Array:
     """Unit quaternions (..., 4) of rotation vectors (..., 3): axis times angle, radians."""
+    if v.ndim == 1:
+        return single.from_rotation_vector(*v.tolist())
     angle = np.sqrt(np.einsum("...i,...i->...", v, v))
     half = 0.5 * angle
     out = np.empty((*v.shape[:-1], 4))
@@ -121,7 +135,11 @@ def to_rotation_vector(q: Array) -> Array:
 
 def from_axis_angle(axis: Array, angle: Array | float) -> Array:
     """Unit quaternions (..., 4) that turn by `angle` radians (...) about unit axes (..., 3)."""
-    return from_rotation_vector(np.asarray(axis, float) * np.asarray(angle, float)[..., None])
+    axis = np.asarray(axis, float)
+    if isinstance(angle, float) and axis.ndim == 1:
+        x, y, z = axis.tolist()
+        return single.from_rotation_vector(x * angle, y * angle, z * angle)
+    return from_rotation_vector(axis * np.asarray(angle, float)[..., None])
 
 
 def to_matrix(q: Array) -> Array:

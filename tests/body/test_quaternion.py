@@ -246,3 +246,29 @@ def test_twist_is_the_turn_about_the_axis_that_is_left_when_the_swing_is_taken_o
     across = from_axis_angle(np.array([1.0, 2.0, 0.0]) / np.sqrt(5.0), 0.7)
     q = multiply(across, from_axis_angle(axis, 0.9))
     assert c.twist(c.FLOATS, tuple(q.tolist()), tuple(axis.tolist())) == pytest.approx(0.9)
+
+
+def test_one_alone_is_as_it_is_among_others():
+    p, q = (random_rotations(RNG, 20) for _ in range(2))
+    v, u = RNG.normal(size=(2, 20, 3))
+    for made, rows in (
+        (multiply, (p, q)),
+        (rotate, (p, v)),
+        (normalize, (3.0 * p,)),
+        (from_rotation_vector, (v,)),
+        (between, (u, v)),
+    ):
+        many = made(*rows)
+        alone = np.stack([made(*(row[i] for row in rows)) for i in range(20)])
+        assert np.abs(alone - many).max() <= 4e-16, made
+    angle = RNG.normal(size=20)
+    alone = np.stack([from_axis_angle(axis, float(turn)) for axis, turn in zip(u, angle, strict=True)])
+    assert np.abs(alone - from_axis_angle(u, angle)).max() <= 4e-16
+    assert np.array_equal(from_rotation_vector(np.zeros(3)), IDENTITY)
+    assert np.isnan(normalize(np.zeros(4))).all()
+
+
+def test_few_and_many_are_turned_alike():
+    q, v = random_rotations(RNG, 3000), RNG.normal(size=(3000, 3))
+    assert np.array_equal(rotate(q, v)[:5], rotate(q[:5], v[:5]))
+    assert np.array_equal(multiply(q, q[::-1])[:5], multiply(q[:5], q[::-1][:5]))
