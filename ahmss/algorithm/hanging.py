@@ -7,6 +7,7 @@ than it would be there, and back again (`ahmss.reaching.aside`). The upper arm g
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from ahmss.reaching.skin import skin_of
 __all__ = ["Hanging"]
 
 _AHEAD = (0, 4, 8, 12, 16)  # frames that are looked at
+_LOOKED_AT = np.array(_AHEAD)
 _AIR = 0.010  # metres of air that are kept: a hand that hangs has a hip beside it
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
 _MOVES = 0.15  # metres aside that a hand may come: what is farther off is not looked at
@@ -65,21 +67,25 @@ class Hanging:
         gap = (clearance(prisms, points, room) - radii).min(axis=-1) - AIR if prisms else np.full(len(points), np.inf)
         under = [~prism.over(root) for prism in prisms]
         moved = np.zeros((len(rotations), 3))
-        self._after = []
+        clear = (_of_ahead(gap, np.minimum) > 0.0).tolist()
+        lowest = _of_ahead(points.min(axis=1), np.minimum) - room - _FAR
+        highest = _of_ahead(points.max(axis=1), np.maximum) + room + _FAR
+        often = np.tile(radii, len(_AHEAD))
+        self._after, still = [], self.still
         for k in range(len(moved)):
-            ahead = k + np.array(_AHEAD)
-            if self.still and gap[ahead].min() > 0.0:
-                self._after.append(self._aside.copy())
+            if still and clear[k]:
+                self._after.append(self._after[-1] if self._after else self._aside.copy())
                 continue
-            low, high = points[ahead].min(axis=(0, 1)) - room - _FAR, points[ahead].max(axis=(0, 1)) + room + _FAR
-            own = points[k] + self._aside.moved
+            low, high, own = lowest[k].tolist(), highest[k].tolist(), points[k] + self._aside.moved
+            within = own.min(axis=0), own.max(axis=0)
             in_the_way = [
                 prism
                 for prism, beside in zip(prisms, under, strict=True)
-                if beside[k] and prism.meets(low, high) and not _deep_in(prism, own)
+                if beside[k] and not prism.is_beyond(low, high) and not _deep_in(prism, own, within)
             ]
-            moved[k] = self._aside.step(in_the_way, points[ahead].reshape(-1, 3), np.tile(radii, len(ahead)))
+            moved[k] = self._aside.step(in_the_way, points[k + _LOOKED_AT].reshape(-1, 3), often)
             self._after.append(self._aside.copy())
+            still = self.still
         shares = np.minimum(np.linalg.norm(moved, axis=-1) / _ALL, 1.0)
         (aside,) = np.nonzero(shares)
         if len(aside):
@@ -88,9 +94,15 @@ class Hanging:
         return shares
 
 
-def _deep_in(prism: Prism, points: Array) -> bool:
-    """Whether one of points (m, 3) is so deep in a thing that it is not in their way."""
-    return prism.meets(points.min(axis=0), points.max(axis=0)) and clearance([prism], points, 0.0).min() <= -_DEEP
+def _of_ahead(values: Array, least: np.ufunc) -> Array:
+    """The least or most (n, ...) of values (n + the farthest ahead, ...) of the frames that are looked at from each."""
+    n = len(values) - _AHEAD[-1]
+    return reduce(least, [values[ahead : ahead + n] for ahead in _AHEAD])
+
+
+def _deep_in(prism: Prism, points: Array, within: tuple[Array, Array]) -> bool:
+    """Whether one of points (m, 3), in the box of such corners, is so deep in a thing that it is not in their way."""
+    return prism.meets(*within) and clearance([prism], points, 0.0).min() <= -_DEEP
 
 
 def _gone_on(points: Array) -> Array:

@@ -153,8 +153,9 @@ class Tucking:
         begun: frames of the walk before these.
         """
         levels: list[float] = []
-        for k in range(len(gap)):
-            coming = float(gap[k : k + _SEEN].min())
+        gaps = gap.tolist()
+        for k in range(len(gaps)):
+            coming = min(gaps[k : k + _SEEN])
             enough = _BESIDE if begun + k < self._first else _ENOUGH
             self._wanted[side] = coming < (enough if self._wanted[side] else _LEAST)
             levels.append(self._comes_to(side, float(self._wanted[side])))

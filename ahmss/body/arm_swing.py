@@ -16,7 +16,7 @@ import numpy as np
 from ahmss.body.arm import Arm, Wrist, split_wrist
 from ahmss.body.arm_cases import elbow
 from ahmss.body.array import Array
-from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.quaternion import conjugate, cross, from_axis_angle, from_matrix, multiply, rotate
 
 __all__ = ["HAND", "SHOULDER", "Swing", "allowed", "elbow_side", "limits_of", "nearest_swing", "shortest", "swing_of"]
 
@@ -95,8 +95,8 @@ def swing_of(arm: Arm, wrist: Wrist, side: Array) -> Swing:
     along, across = L1 + L2 * np.cos(bend), L2 * np.sin(bend)
     x = along[..., None] * line + across[..., None] * outward
     x = x / np.linalg.norm(x, axis=-1, keepdims=True)
-    y = np.cross(outward, line)
-    axes: Any = np.stack([x, y, np.cross(x, y)], axis=-1)
+    y = cross(outward, line)
+    axes: Any = np.stack([x, y, cross(x, y)], axis=-1)
     return Swing(line, bend, distance - reach, from_matrix(axes), wrist.rotation)
 
 
@@ -111,7 +111,7 @@ def elbow_side(line: Array, upper: Array) -> Array:
 
     The elbow's axis says it, so a straight arm has a side too.
     """
-    return np.cross(line, rotate(upper, np.array([0.0, 1.0, 0.0])))
+    return cross(line, rotate(upper, np.array([0.0, 1.0, 0.0])))
 
 
 def limits_of(arm: Arm) -> Array:

@@ -7,12 +7,14 @@ finger bends within a plane of x and the palm's direction; the thumb within a pl
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import IDENTITY, between, conjugate, from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, between, conjugate, cross, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.grasping.field import Solid
 
@@ -120,21 +122,20 @@ class Hand:
 
     def balls(self, rotations: Array) -> tuple[Array, Array]:
         """Middles (..., 14, BALLS, 3) of the balls along links turned by (..., 14, 4), and their radii (14, BALLS)."""
-        first = fingers(self.side)[0]
         middles = np.empty((*rotations.shape[:-2], 14, BALLS, 3))
         radii = np.empty((14, BALLS))
-        chains = [("thumb", self.thumb_root, self.thumb_lengths, self.thumb_radii)]
-        chains += list(zip(FINGERS, self.roots, self.lengths, self.radii, strict=True))
-        for finger, root, lengths, wide in chains:
-            start, turned = np.broadcast_to(root, (*rotations.shape[:-2], 3)), IDENTITY
-            segments = SEGMENTS if len(lengths) == 3 else ("proximal", "distal")
-            along_of = {"proximal": ROOT if len(lengths) == 3 else THUMB_ROOT, "distal": TIP}
-            for segment, length, radius in zip(segments, lengths, wide, strict=True):
-                link = INDEX[f"{self.side}_{finger}_{segment}"] - first
-                turned = multiply(turned, rotations[..., link, :])
-                along = rotate(turned, length * X)
-                middles[..., link, :, :] = start[..., None, :] + ALONG[:, None] * along[..., None, :]
-                radii[link] = radius * along_of.get(segment, 1.0)
+        thumb, others = _chains(self.side)
+        ends = (THUMB_ROOT, TIP), (ROOT, 1.0, TIP)
+        roots, lengths = (self.thumb_root[None], self.roots), (self.thumb_lengths[None], self.lengths)
+        wide = self.thumb_radii[None], self.radii
+        for chain, of_ends, start, length, radius in zip((thumb, others), ends, roots, lengths, wide, strict=True):
+            turned = np.broadcast_to(IDENTITY, (len(chain), 4))
+            for i, end in enumerate(of_ends):  # all fingers at once
+                links = chain[:, i]
+                turned = multiply(turned, rotations[..., links, :])
+                along = rotate(turned, length[:, i, None] * X)
+                middles[..., links, :, :] = start[..., None, :] + ALONG[:, None] * along[..., None, :]
+                radii[links] = radius[:, i, None] * end
                 start = start + along
         return middles, radii
 
@@ -176,7 +177,16 @@ class Hand:
         along = self._thumb_along(thumb.out, thumb.rise)
         rotations[0] = between(X, along)
         # The end bends about the axis about which the thumb went out, back towards the fingers.
-        axis = np.cross(X, along)
+        axis = cross(X, along)
         axis = rotate(conjugate(rotations[0]), axis / np.linalg.norm(axis))
         rotations[1] = from_axis_angle(axis, -float(thumb.bend))
         return rotations
+
+
+@lru_cache(maxsize=2)
+def _chains(side: str) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The links (1, 2) of a thumb and (4, 3) of the fingers, counted from a hand's first."""
+    first = fingers(side)[0]
+    thumb = [[INDEX[f"{side}_thumb_proximal"], INDEX[f"{side}_thumb_distal"]]]
+    others = [[INDEX[f"{side}_{finger}_{segment}"] for segment in SEGMENTS] for finger in FINGERS]
+    return np.array(thumb) - first, np.array(others) - first

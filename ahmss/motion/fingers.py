@@ -11,7 +11,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import IDENTITY, between, conjugate, from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, between, conjugate, cross, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
 __all__ = ["Cylinder", "closed", "opened"]
@@ -134,7 +134,7 @@ def _thumb(skeleton: Skeleton, side: str, cylinder: Cylinder) -> Array:
     q_hand_thumb = _thumb_at(side, np.array([angle]))[0]
     place = place + rotate(q_hand_thumb, skeleton.offsets[distal])
     # The end bends about the axis about which the thumb went out, back towards the fingers.
-    axis = np.cross(X, rotate(q_hand_thumb, X))
+    axis = cross(X, rotate(q_hand_thumb, X))
     axis = rotate(conjugate(q_hand_thumb), axis / np.linalg.norm(axis))
     angles = -np.radians(np.linspace(0.0, THUMB_BEND, STEPS))
     tried = multiply(q_hand_thumb, from_axis_angle(axis, angles))
@@ -153,4 +153,4 @@ def _palm(side: str) -> Array:
 
 def _hinge(side: str) -> Array:
     """The axis about which the fingers bend to the palm."""
-    return np.cross(X, _palm(side))
+    return cross(X, _palm(side))

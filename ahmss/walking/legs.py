@@ -6,7 +6,7 @@ import numpy as np
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.quaternion import conjugate, cross, from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 
@@ -68,7 +68,7 @@ def solve_legs(skeleton: Skeleton, rotations: Array, root: Array, ankles: Array,
     length = np.clip(length, abs(thigh - shank) + 1e-6, thigh + shank)
     unturned = _carried(rotate(q_hips, _HIPS_AHEAD), rotate(q_hips, _HIPS_DOWN), down)
     wanted = _carried(rotate(feet, _FOOT_AHEAD), rotate(feet, _FOOT_DOWN), down)
-    aside = np.cross(unturned, down)  # to the left
+    aside = cross(unturned, down)  # to the left
     turn = np.arctan2((aside * wanted).sum(axis=-1), (unturned * wanted).sum(axis=-1))
     by_knee = np.sign(turn) * _BY_KNEE * minimum_jerk((np.abs(turn) - _MUCH[0]) / (_MUCH[1] - _MUCH[0]))
     pitch = np.minimum(rotate(feet, _FOOT_AHEAD)[..., 2], 0.0)
@@ -78,7 +78,7 @@ def solve_legs(skeleton: Skeleton, rotations: Array, root: Array, ankles: Array,
     more *= left_over / np.maximum((left_over**2 + more**2) ** 0.5, 1e-9)
     by_hip = (np.sign(turn) * (_BY_HIP * rest + more))[..., None]
     forward = np.cos(by_hip) * unturned + np.sin(by_hip) * aside
-    left = np.cross(forward, down)
+    left = cross(forward, down)
     cosine = np.clip((thigh**2 + length**2 - shank**2) / (2.0 * thigh * length), -1.0, 1.0)
     sine = np.sqrt(1.0 - cosine**2)
     knee = thigh * (cosine * down + sine * forward)
@@ -99,4 +99,4 @@ def _carried(v: Array, since: Array, to: Array) -> Array:
 
 def _frame(along: Array, left: Array) -> Array:
     """Rotations of links whose x lies along the bone and y to the left."""
-    return from_matrix(np.stack([along, left, np.cross(along, left)], axis=-1))
+    return from_matrix(np.stack([along, left, cross(along, left)], axis=-1))
