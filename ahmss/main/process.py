@@ -146,6 +146,11 @@ class MainProcess:
 
     def frame(self) -> None:
         """One frame: the command part's next line, then the motions, the blend, the objects, the world."""
+        self._begin()
+        self._go_on()
+
+    def _begin(self) -> None:
+        """The command part's next line; what starts is told so, and thinks from here on."""
         if self.agenda.asks_the_world or self.control.starts:
             self.communication.update(complete=True)
         self._listen()
@@ -153,6 +158,9 @@ class MainProcess:
             self.port.serve()
         self.agenda.step()
         self.control.start_due()
+
+    def _go_on(self) -> None:
+        """The rest of a frame: what is shown in it."""
         self.control.collect_humans(self._patience)
         self.blending.step(self.control.contributions)
         self.control.ask_objects(self.blending)
@@ -180,11 +188,16 @@ class MainProcess:
         resting = 0
         while not over() or (resting < _REST and not self.blending.resting):
             resting = resting + 1 if over() else 0
+            if self.setup.lockstep:  # nothing comes meanwhile: who starts may think while the frame is awaited
+                self._begin()
             left = self.pace.left()
             if left > 0.0:
                 time.sleep(left)
             self.pace.advance()
-            self._guarded_frame()
+            if self.setup.lockstep:
+                self._go_on()
+            else:
+                self._guarded_frame()
         self.report.seconds = time.monotonic() - began
         self.report.late, self.report.held = self.pace.late, self.control.held_frames
         return self.report
@@ -212,12 +225,8 @@ class MainProcess:
         try:
             self.frame()
         except AhmssError as error:
-            if self.setup.lockstep:
-                raise
             self._survive(str(error))
-        except Exception as error:
-            if self.setup.lockstep:
-                raise
+        except Exception as error:  # noqa: BLE001 - whatever it is, the person is told
             self._survive(f"a fault of the program itself: {type(error).__name__}: {error}")
 
     def _survive(self, reason: str) -> None:

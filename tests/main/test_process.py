@@ -101,6 +101,23 @@ def test_fused_motions_start_each_after_its_own_delay(ken: MainProcess) -> None:
     assert ken.report.messages == []
 
 
+def test_in_lockstep_a_motion_is_asked_before_its_first_frame_is_awaited(
+    ken: MainProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[tuple[int, str, int]] = []
+
+    def left() -> float:
+        told.extend((ken.report.frames, title, k) for title, k, _ in ken.control.progress)
+        return 0.0
+
+    monkeypatch.setattr(ken.pace, "left", left)
+    first = ken.report.frames
+    film = Film(ken, "do b wave frames 5")
+    assert told[:3] == [(first + k, "b wave", k + 1) for k in range(3)]
+    assert film.angles(ARM)[1] > 1e-6  # and it is shown in the frame that is awaited then
+    assert ken.report.messages == []
+
+
 def test_one_motion_follows_on_another_without_a_jump(ken: MainProcess) -> None:
     # The second begins in the middle of the first one's sweep: the same joint, another source.
     film = Film(
