@@ -16,7 +16,7 @@ from ahmss.errors import AhmssError
 
 __all__ = ["make_fields"]
 
-_YIELDS = 10  # of priority: what is under way goes first
+_YIELDS = 5  # of priority: what is under way goes first, and pictures, which yield by 10, later
 
 
 def make_fields(root: Path, kinds: Iterable[str]) -> None:

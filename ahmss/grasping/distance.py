@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ahmss.body.array import Array
+from ahmss.body.quaternion import cross
 from ahmss.grasping.field import STEP, Field
 
 __all__ = ["Grid", "build", "distances"]
 
 MARGIN = 0.03  # metres around what is covered: no skin is further from a bone
 FINEST, NODES = 0.00125, 600_000  # metres between nodes at the least; how many nodes at the most
+_TOGETHER = 4096  # points whose distances are made at a time: a processor keeps what that takes at hand
 _CHUNK = 2_000_000  # pairs of lines and faces at a time
 _ASIDE = np.array([1.7e-7, 2.3e-7])  # metres by which lines pass beside the edges of what is drawn on a grid
 
@@ -91,12 +93,22 @@ def _unsigned(grid: Grid, triangles: Array) -> Array:
     owner[tuple(cells[within].T)] = owners[within]
     indices = distance_transform_edt(owner < 0, return_distances=False, return_indices=True)
     points, face = grid.points(), owner[tuple(np.asarray(indices))].reshape(-1)
-    distance = distances(points, triangles[face])
+    distance = _from_faces(points, triangles, face)
     close = np.flatnonzero(distance < 3.0 * grid.spacing)  # there the next face may be nearer
     _, found = KDTree(samples).query(points[close], k=min(6, len(samples)), workers=-1)
+    asked = [face[close]]
     for column in owners[np.reshape(found, (len(close), -1))].T:
-        distance[close] = np.minimum(distance[close], distances(points[close], triangles[column]))
+        new = np.flatnonzero(np.logical_and.reduce([column != before for before in asked]))
+        at = close[new]
+        distance[at] = np.minimum(distance[at], _from_faces(points[at], triangles, column[new]))
+        asked.append(column)
     return distance
+
+
+def _from_faces(points: Array, triangles: Array, face: Faces) -> Array:
+    """The distances (n) of points (n, 3) from those of triangles (m, 3, 3) whose numbers are given (n)."""
+    parts = [slice(first, first + _TOGETHER) for first in range(0, len(points), _TOGETHER)]
+    return np.concatenate([np.zeros(0), *(distances(points[part], triangles[face[part]]) for part in parts)])
 
 
 def _samples(triangles: Array, low: Array, high: Array, spacing: float) -> tuple[Array, Faces]:
@@ -122,14 +134,14 @@ def _samples(triangles: Array, low: Array, high: Array, spacing: float) -> tuple
 def distances(points: Array, triangles: Array) -> Array:
     """The distances (n) of points (n, 3) from triangles (n, 3, 3), one each, metres."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     area = np.einsum("nc,nc->n", normal, normal)
     height = np.einsum("nc,nc->n", points - a, normal)
     above = np.ones(len(points), bool)
     nearest = np.full(len(points), np.inf)
     for p, q in ((a, b), (b, c), (c, a)):
         edge, apart = q - p, points - p
-        above &= np.einsum("nc,nc->n", np.cross(edge, apart), normal) >= 0.0
+        above &= np.einsum("nc,nc->n", cross(edge, apart), normal) >= 0.0
         length = np.einsum("nc,nc->n", edge, edge)
         share = np.clip(np.einsum("nc,nc->n", edge, apart) / np.maximum(length, 1e-18), 0.0, 1.0)
         apart = apart - share[:, None] * edge

@@ -172,8 +172,8 @@ class MainProcess:
         self.report.frames += 1
         if not self.setup.lockstep:  # files change by the clock, and lockstep is to be the same at each run
             self.layout.follow(self.report.frames)
-            if self.report.frames % _FORESEES == 0:
-                self._foresee()
+        if not self.setup.fast and self.report.frames % _FORESEES == 1:
+            self._foresee()
 
     def _foresee(self) -> None:
         """Have what hands will ask of the kinds that are new in the world made before one of them does."""
