@@ -154,6 +154,18 @@ def test_what_is_prepared_is_read_ahead_and_not_run(own_pool, make_start, tmp_pa
     assert not (tmp_path / "it-ran").exists()
 
 
+def test_what_may_be_started_some_time_is_read_ahead_however_much_it_is(own_pool, make_start, tmp_path):
+    programs = [Entry(f"p{i}", ("python", f"p{i}.py"), tmp_path) for i in range(40)]
+    for entry in programs:
+        (tmp_path / entry.argv[1]).write_text("import json\n")
+    (tmp_path / "p39.py").write_text("import shapely\nopen('it-ran', 'w').close()\n")
+    with launcher_of(own_pool) as launcher:
+        assert not facts(launcher, launcher.start(tells(), make_start()))["shapely"]
+        launcher.expect((entry, None, 0) for entry in [Entry("native", ("nod",), tmp_path), *programs])
+        assert wait_for(lambda: facts(launcher, launcher.start(tells(), make_start()))["shapely"])
+    assert not (tmp_path / "it-ran").exists()
+
+
 def test_what_hands_will_ask_of_shapes_is_made_beside_all_else(own_pool, tmp_path, make_start, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))  # of main alone: the pool has been there before
     fields = tmp_path / "cache" / "ahmss" / "fields"
