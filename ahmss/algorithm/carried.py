@@ -28,7 +28,8 @@ __all__ = ["reach_while_carried"]
 
 _SPINE = INDEX["spine"]
 _MOST_MISSED = 0.06  # metres that are not told of who was carried to a thing
-_RELAXED = 0.9  # seconds of a reach on the way
+_RELAXED = 0.9  # seconds of a reach on the way, where the frames are given
+_FOLLOWS = 1.15  # and where it follows the body: a hand that is still beside a table is over its edge in time
 _SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
 _BENDS = 0.25  # metres that the waist gives to who stands where the walk has ended
 _BENDS_IN = 0.8  # seconds
@@ -57,7 +58,7 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         AlgorithmError: the body has come to rest too far away.
     """
     gaze, begun, nearing, things = _Gaze(task, goal.place), 0, _Nearing(task, goal), Things(task)
-    relaxed, last = round(_RELAXED * task.rate), task.present.root.copy()
+    relaxed, last = round((_RELAXED if task.length else _FOLLOWS) * task.rate), task.present.root.copy()
     then = task.present.rotations.copy(), last
     while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(relaxed):
         begun, last = begun + 1, task.present.root.copy()

@@ -33,7 +33,7 @@ __all__ = ["Carried"]
 
 _SPINE = INDEX["spine"]
 _NEAR = 0.85  # of the arm's length: how near the body is taken to be carried
-_LED_BY = 0.6  # share of the time until which the way changes for things
+_LED_BY = 0.8  # share of the time until which the way changes for things
 _FULL = np.radians(8.0)  # of help from the waist, at which the spine is the reach's
 _BETTER = 0.25  # by which another palm must be easier than the one that is gone for: the two do not take turns
 _STEP = np.radians(1.0)  # by which the palm at the end is chosen anew from frame to frame
@@ -151,10 +151,10 @@ class Carried:
             self._end_from(out, root)
         if near and time < _LED_BY:
             self._led.step(near, self._hand_in(out, root), start, self.palm, time)
-        near = [prism for prism in near if not prism.sought]  # fingers come close to that
+        others = [prism for prism in near if not prism.sought]  # an elbow comes close to what the hand takes
         wanted = self._led.at(start, self.palm, time)
         wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
-        palm = self._tracking.step(wanted, spine, time, near, self._stretched(time))
+        palm = self._tracking.step(wanted, spine, time, others, self._stretched(time))
         hand = self._hand_in(rotations, root) if near else None
         links, palm = self._evading.step(near, hand, self._tracking.links, (palm, self.palm), spine)
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))
