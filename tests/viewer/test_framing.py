@@ -63,6 +63,20 @@ def test_the_front_of_the_human_is_seen_and_a_wall_before_it_avoided(stage: Stag
     assert np.sign(again[1]) == -side
 
 
+def test_who_stands_in_a_recess_is_seen_from_behind(stage: Stage, painter: Painter) -> None:
+    wanted = interest(stage)
+    assert wanted is not None
+    for number, size, place in (
+        (5, (0.1, 2.6, 4.0), (1.2, 0.0)),
+        (6, (3.0, 0.1, 4.0), (-0.2, 1.2)),
+        (7, (3.0, 0.1, 4.0), (-0.2, -1.2)),
+    ):
+        stage.add_object(number, "wall", read_glb(box_glb(size, WHITE)), np.array([*place, 1.0]), UNTURNED)
+    place = best_view(stage, painter, wanted, ASPECT).pose()[:3, 3]
+    assert place[0] < -1.5
+    assert abs(place[1]) < -0.6 * place[0]
+
+
 @pytest.mark.parametrize(("name", "way"), [("front", (1, 0)), ("back", (-1, 0)), ("left", (0, 1)), ("right", (0, -1))])
 def test_presets_stand_where_they_say(stage: Stage, name: str, way: tuple[int, int]) -> None:
     wanted = interest(stage)

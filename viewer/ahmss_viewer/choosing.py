@@ -17,8 +17,9 @@ from ahmss_viewer.target import Target
 
 __all__ = ["best_view", "clear_preset", "preset", "without_hidden"]
 
-_SIDES = (40, -40, 60, -60, 22, -22, 75, -75, 90, -90, 105, -105, 120, -120)  # degrees from straight in front
-_HEIGHTS = (8, 14, 24)
+# Degrees from straight in front; who walks about faces all ways in the end.
+_SIDES = (40, -40, 60, -60, 22, -22, 75, -75, 90, -90, 105, -105, 120, -120, 150, -150, 180)
+_HEIGHTS = (8, 14, 24, 40)
 _SMALL = 96  # pixels high
 _NEAR_COST, _SIDE_COST, _HEIGHT_COST, _FAR_COST = 0.8, 0.35, 0.1, 0.15
 _INSIDE = 0.14  # metres: a joint lies about so deep under the skin

@@ -27,7 +27,7 @@ __all__ = ["replay"]
 _TILE = 340  # the width of a tile of 16:9; one of another shape has its area
 _TILE_SHAPES = (0.75, 16 / 9)  # of what width over height a tile may be
 _TILES = 24
-_GLANCES, _MOMENTS = 40, 6  # ticks that are looked at to find the view
+_GLANCES, _MOMENTS = 40, 16  # ticks that are looked at to find the view
 
 Progress = Callable[[int, int], None]
 
