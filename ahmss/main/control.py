@@ -10,20 +10,19 @@ import msgspec
 import numpy as np
 
 from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.messages import FRAME_HUMAN, HEADER, Kind, State, size
+from ahmss.algorithm.messages import State
 from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
-from ahmss.database.records import AlgorithmEntry
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, CommandError, Unreachable, WorldError
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
-from ahmss.main.company import beside, met, numbers, rows_of_sites
+from ahmss.main.company import beside, met, numbers
 from ahmss.main.database import Actor, Database, Order
 from ahmss.main.motion import Motion, Mover, Shown
 from ahmss.main.passing import GIVE, RECEIVE
-from ahmss.main.people import People
-from ahmss.main.surroundings import NOTHING, Surroundings, among, known, latest
+from ahmss.main.showing import Showing
+from ahmss.main.surroundings import NOTHING, among, known, latest
 from ahmss.main.telling import told
 from ahmss.world.link import Pending
 
@@ -53,11 +52,10 @@ class Control:
         self._note, self._actor, self._rate, self._seed = note, actor, rate, seed
         self._motions: list[Motion] = []
         self._movers: dict[str, Mover] = {}
-        self._surroundings, self._people = Surroundings(), People()
+        self._showing = Showing(database.workspace, communication)
         self._passing: list[tuple[Mover, Pending]] = []  # what was on its way when its motion was given up
         self._number = 0
-        self._human = np.zeros(size(FRAME_HUMAN))
-        self._moved = self._changes = NOTHING
+        self._moved = NOTHING
         self.failures = 0
         self.held_frames = 0
 
@@ -168,12 +166,16 @@ class Control:
             if process is None or not process.active or motion.passes is not None:
                 continue
             humans = motion.order.human_algorithm.humans
-            moved = latest(motion.missed, among(self._changes, motion.knows, strangers=humans))
+            moved = latest(motion.missed, among(self._showing.changes, motion.knows, strangers=humans))
             if process.pending:
                 motion.missed = moved
             elif not motion.asked_all:
                 motion.k, motion.missed = motion.k + 1, NOTHING
-                process.ask(self._frame(self._human, motion.k, None, self._told(moved, motion.order.human_algorithm)))
+                process.ask(self._showing.frame(motion.k, moved, motion.order.human_algorithm))
+
+    def see(self, blending: Blending) -> None:
+        """Take in the human's pose and what moved, for the frames that are asked for next."""
+        self._showing.see(blending, self._moved, self._motions, self._movers.values())
 
     def collect_humans(self, patience: float) -> None:
         """Take the frames that the human algorithms have made, waiting at most `patience` seconds for the last."""
@@ -192,8 +194,8 @@ class Control:
             if mover.process is not None and mover.process.pending:  # an answer to an older frame, if it has come
                 self._collect_object(mover)
             if mover.watches and mover not in closing:
-                moved = among(self._changes, mover.knows)
-                mover.show(Shown(self._human.copy(), blending.grips, moved))
+                moved = among(self._showing.changes, mover.knows)
+                mover.show(Shown(self._showing.human.copy(), blending.grips, moved))
             self._show_next(mover)
 
     def _show_next(self, mover: Mover) -> None:
@@ -201,8 +203,7 @@ class Control:
         process = mover.process
         if process is not None and process.active and mover.frames and not process.pending:
             frame = mover.next()
-            moved = self._told(frame.moved, mover.order.object_algorithm)
-            process.ask(self._frame(frame.human, mover.k, mover.pose, moved))
+            process.ask(self._showing.shown(frame, mover.k, mover.pose, mover.order.object_algorithm))
 
     def collect_objects(self, blending: Blending, patience: float) -> Array | None:
         """Take where the objects are now; rows (m, 8) of those that moved, for the world."""
@@ -269,7 +270,7 @@ class Control:
         motion.knows = known({*target, *numbers(start), *(record.id for record in start.world)})
         motion.company, motion.beside = met(start), beside(start)
         motion.k = 1
-        motion.process.ask(self._frame(self._human, 1, None, b""))
+        motion.process.ask(self._showing.frame(1, NOTHING, order.human_algorithm))
 
     def _waits(self, motion: Motion) -> bool:
         """Whether what it is about is another's now, and it waits until it is let go.
@@ -445,50 +446,7 @@ class Control:
         self._seed = (self._seed * 6364136223846793005 + 1442695040888963407) % 2**63
         return self._seed >> 16
 
-    # Frames
-
-    def see(self, blending: Blending) -> None:
-        """Take in the human's pose and what moved, for the frames that are asked for next."""
-        block = self._human
-        block[1:4] = blending.root
-        block[4:176] = blending.rotations.reshape(172)
-        block[176:190] = blending.grips.reshape(14)
-        if self._motions or self._movers:
-            self._changes = self._surroundings.moved(self._communication.world, self._moved)
-        else:
-            self._surroundings.forget()
-        if self._asked_for_humans:
-            others = self._people.moved(self._communication.world, self._communication.human)
-            company = dict.fromkeys(name for one in self._motions for name in (*one.company, *one.beside))
-            sites = rows_of_sites(self._database.workspace, self._communication, company) if company else NOTHING
-            self._changes = np.concatenate([self._changes, others, sites])
-        else:
-            self._people.forget()
-
-    @property
-    def _asked_for_humans(self) -> bool:
-        """Whether an algorithm wants to know where the other humans are."""
-        if any(
-            motion.process is not None and (motion.company or motion.order.human_algorithm.humans)
-            for motion in self._motions
-        ):
-            return True
-        entries = [mover.order.object_algorithm for mover in self._movers.values() if mover.process is not None]
-        return any(entry is not None and entry.humans for entry in entries)
-
-    def _told(self, moved: Array, entry: AlgorithmEntry | None) -> bytes:
-        """What a FRAME says of what moved, rows (n, 8): to who asks for ways humans come first, each with its way."""
-        if not len(moved) or entry is None or not entry.ways:
-            return moved.tobytes()
-        people = moved[:, 0] < 0.0
-        humans = moved[people]
-        return np.concatenate([humans, self._people.ways(humans[:, 0])], axis=1).tobytes() + moved[~people].tobytes()
-
-    def _frame(self, human: Array, k: int, pose: Array | None, moved: bytes) -> bytes:
-        """A FRAME message: the human (190,), an object's pose (7,), and what moved (see `_told`)."""
-        human[0] = k
-        payload = human.tobytes() + moved if pose is None else human.tobytes() + pose.tobytes() + moved
-        return HEADER.pack(len(payload), Kind.FRAME) + payload
+    # Answers
 
     def _collect_human(self, motion: Motion) -> None:
         process = motion.process

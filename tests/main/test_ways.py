@@ -211,7 +211,8 @@ def test_who_means_to_be_elsewhere_is_told_of_and_who_has_gone_once_more() -> No
 
 def test_who_asks_gets_the_newest_way_with_each_human_and_who_does_not_the_old_rows() -> None:
     communication = SimpleNamespace(world=telling(WAY), human="me")
-    control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
+    database = SimpleNamespace(workspace=None)
+    control = Control(database, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
     body = SimpleNamespace(root=np.zeros(3), rotations=np.zeros((43, 4)), grips=np.zeros((2, 7)))
     told: list[bytes] = []
     for ways in (True, False):
@@ -222,7 +223,7 @@ def test_who_asks_gets_the_newest_way_with_each_human_and_who_does_not_the_old_r
         motion.process, motion.knows = process, known((-4, 9))  # type: ignore[assignment]
         control._motions.append(motion)
     thing = np.array([[9.0, 1, 2, 3, 1, 0, 0, 0]])
-    control._surroundings.moved = lambda *_: thing  # type: ignore[method-assign]
+    control._showing._surroundings.moved = lambda *_: thing  # type: ignore[method-assign]
     for way in (WAY, WAY + 1.0):  # the first is not seen: both owe an answer
         communication.world = telling(way)
         control.see(body)  # type: ignore[arg-type]
