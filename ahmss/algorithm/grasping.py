@@ -27,7 +27,7 @@ from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.waist import bent_towards
 
-__all__ = ["Closing", "closing", "from_skin", "read_shape"]
+__all__ = ["ArmCost", "Closing", "closing", "field_at", "from_skin", "read_shape"]
 
 _LOOKS = np.linspace(0.15, 0.9, 6)  # shares of the way at which the closing fingers are looked at
 _MISSES = 0.002  # metres that the palm may be from where it is to hold
@@ -62,7 +62,7 @@ def read_shape(task: HumanTask | ObjectTask) -> None:
     """
     if task.object is not None and task.object.shape is not None:
         named = task.object.sites.get(task.message.site)
-        _field(task, np.zeros(3) if named is None else np.array(named.position))
+        field_at(task, np.zeros(3) if named is None else np.array(named.position))
 
 
 def closing(task: HumanTask, side: str, most: float) -> Closing:
@@ -80,7 +80,7 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     assert thing is not None
     to_object = thing.frame.inverse()
     site, grip = to_object.then(task.site or thing.frame), to_object.then(task.start.grip(side))
-    field = _field(task, site.place)
+    field = field_at(task, site.place)
     far = float(field.clearance(grip.place))
     if far > 2.0 * most:
         own = thing.name.rpartition("/")[2]
@@ -90,7 +90,7 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
         )
     named = thing.sites.get(task.message.site)
     hand = Hand.of(task.human, side)
-    arm = _Arm(task, side)
+    arm = ArmCost(task, side)
     if named is not None and named.grip == "precision":
         holding = precision(hand, field, grip.row(), site.row(), arm.cost)
     else:
@@ -111,7 +111,7 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     return Closing(thing.frame.then(palm), holding.shape, wide, spine, out, by)
 
 
-class _Arm:
+class ArmCost:
     """The arm of a hand, as the body is now: which palms, in the object's frame, it can bring the hand to."""
 
     def __init__(self, task: HumanTask, side: str) -> None:
@@ -172,13 +172,13 @@ class _Arm:
 def from_skin(task: ObjectTask, human: HumanFrame, side: str) -> float:
     """How far the nearest of palm and fingers is from the shape of the object, metres, negative inside."""
     named = task.object.sites.get(task.message.site)
-    field = _field(task, np.zeros(3) if named is None else np.array(named.position))
+    field = field_at(task, np.zeros(3) if named is None else np.array(named.position))
     hand, palm = Hand.of(task.human, side), task.object.frame.inverse().then(human.grip(side))
     skin = -hand.depth(field, palm.row()[None], human.rotations[None, list(fingers(side))])
     return min(float(field.clearance(palm.place)), skin)
 
 
-def _field(task: HumanTask | ObjectTask, place: Array) -> Field:
+def field_at(task: HumanTask | ObjectTask, place: Array) -> Field:
     """The distances from the object's shape around a place (3,) in its frame.
 
     Raises:

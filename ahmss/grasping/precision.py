@@ -13,7 +13,7 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import ALONG, Hand, Thumb
 from ahmss.grasping.holding import Cost, Holding, Trial, best
 
-__all__ = ["precision", "thickness"]
+__all__ = ["Way", "pinch", "precision", "thickness", "ways_to"]
 
 DEPTHS = np.array([0.015, 0.01, 0.022, 0.006])  # metres behind where the shape begins
 SPAN = 0.11  # metres between the pads at the most
@@ -27,6 +27,7 @@ TILTED, SITES, TRIED = (
     100.0,
     3,
 )  # what a radian of that costs; above all is what the site says; ways that are tried
+SAME = 0.004, 0.02  # of 1 - cosine of half the turn, and metres aside: a hand that is so near to a way has come it
 PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -46,10 +47,8 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | N
         The grip, which may not hold; None where the shape is thicker than the hand spans, or is not there.
     """
     found: Holding | None = None
-    for way in _ways(hand, field, grip, site, cost)[:TRIED]:
-        holding = _closed(hand, field, way, DEPTHS[:1])
-        if holding is None or not holding.well(PADS):
-            holding = _closed(hand, field, way, DEPTHS)
+    for way in _best_first(ways_to(hand, field, site, TILTS if cost is not None else TILTS[:1]), grip, cost)[:TRIED]:
+        holding = pinch(hand, field, way)
         if holding is not None and holding.holds:
             return holding
         found = found or holding
@@ -57,34 +56,64 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | N
 
 
 @dataclass(frozen=True)
-class _Way:
-    """How a hand comes to a site (7,), along whose x, the thumb on the side of its z (1.0) or the other (-1.0)."""
+class Way:
+    """How a hand comes to what it pinches.
+
+    site (7,), along whose x. thumb: on the side of its z (1.0) or the other (-1.0). tilt: radians by which x is turned
+    about the z of the site that was asked for. palm: (7,) about where it holds.
+    """
 
     site: Array
     thumb: float
+    tilt: float
+    palm: Array
+
+    @property
+    def inward(self) -> Array:
+        """The direction (3,) in which the hand comes."""
+        return rotate(self.site[3:], X)
 
 
-def _ways(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None) -> list[_Way]:
-    """The ways in which a hand may come, the best first: as it is, else from where the arm takes it most easily."""
-    tilts = TILTS if cost is not None else TILTS[:1]
+def ways_to(hand: Hand, field: Field, site: Array, tilts: Array = TILTS) -> list[Way]:
+    """The ways in which a hand may come to a site (7,): turned about its z by some tilts, the thumb on either side."""
     turned = multiply(site[3:], from_axis_angle(Z, tilts))
-    tried = [_Way(np.concatenate([site[:3], row]), sign) for row in turned for sign in (1.0, -1.0)]
-    placed = [_placed(hand, field, way, DEPTHS[0]) for way in tried]
-    some = [i for i, one in enumerate(placed) if one is not None]
-    if not some:
+    found: list[Way] = []
+    for tilt, row in zip(tilts.tolist(), turned, strict=True):
+        own = np.concatenate([site[:3], row])
+        for thumb in (1.0, -1.0):
+            placed = _placed(hand, field, own, thumb, DEPTHS[0])
+            if placed is not None:
+                found.append(Way(own, thumb, tilt, _palms(hand, placed[0][None])[0]))
+    return found
+
+
+def pinch(hand: Hand, field: Field, way: Way) -> Holding | None:
+    """The grip of a hand that comes a way, which may not hold; None where the shape is too thick."""
+    holding = _closed(hand, field, way, DEPTHS[:1])
+    if holding is None or not holding.well(PADS):
+        holding = _closed(hand, field, way, DEPTHS)
+    return holding
+
+
+def _best_first(ways: list[Way], grip: Array, cost: Cost | None) -> list[Way]:
+    """The ways, the best first: as the hand is there, else as the site says, else as the arm takes it most easily."""
+    if not ways:
         return []
-    palms = _palms(hand, np.array([one[0] for one in placed if one is not None]))
+    palms, tilt = np.array([way.palm for way in ways]), np.abs([way.tilt for way in ways])
     apart = 1.0 - np.abs(multiply(conjugate(palms[:, 3:]), grip[3:])[:, 0])
-    total, can = (np.zeros(len(some)), np.ones(len(some), bool)) if cost is None else cost(palms)
-    tilt = np.abs(np.repeat(tilts, 2)[some])
+    total, can = (np.zeros(len(ways)), np.ones(len(ways), bool)) if cost is None else cost(palms)
     # As the site says where the arm can: the thumb on the side that is nearer to how the hand is.
-    own = np.where(can & (tilt == 0.0), -SITES + apart, total + TILTED * tilt + apart)
-    return [tried[some[i]] for i in np.argsort(own, kind="stable")]
+    own = np.where(can & (tilt == 0.0), -SITES + apart, total + TILTED * tilt + apart) + np.where(can, 0.0, SITES)
+    off = grip[:3] - palms[:, :3]
+    inward = np.array([way.inward for way in ways])
+    aside = np.linalg.norm(off - (off * inward).sum(axis=-1, keepdims=True) * inward, axis=-1)
+    own = own - np.where((apart < SAME[0]) & (aside < SAME[1]), 3.0 * SITES, 0.0)
+    return [ways[i] for i in np.argsort(own, kind="stable")]
 
 
-def _closed(hand: Hand, field: Field, way: _Way, depths: Array) -> Holding | None:
+def _closed(hand: Hand, field: Field, way: Way, depths: Array) -> Holding | None:
     """The best grip of those so deep (n); None where the shape is too thick."""
-    tried = [_placed(hand, field, way, depth) for depth in depths]
+    tried = [_placed(hand, field, way.site, way.thumb, depth) for depth in depths]
     found = [(pose, rise, i) for i, one in enumerate(tried) if one is not None for pose, rise in [one]]
     if not found:
         return None
@@ -101,9 +130,8 @@ def _palms(hand: Hand, poses: Array) -> Array:
     return np.concatenate([poses[:, :3] + rotate(poses[:, 3:], hand.grip[:3]), grips], axis=1)
 
 
-def _placed(hand: Hand, field: Field, way: _Way, depth: float) -> tuple[Array, float] | None:
+def _placed(hand: Hand, field: Field, site: Array, thumb: float, depth: float) -> tuple[Array, float] | None:
     """The hand's frame (7,) whose pads are so deep in the shape, and its thumb's plane; None where it is too thick."""
-    site = way.site
     inward, across = rotate(site[3:], X), rotate(site[3:], Z)
     s = np.arange(0.0, SPAN + 0.05, STEP)
     inside = field.clearance(site[:3] - s[:, None] * inward) < 0.0
@@ -114,7 +142,7 @@ def _placed(hand: Hand, field: Field, way: _Way, depth: float) -> tuple[Array, f
         return None
     middle = middle + 0.5 * (sides[0] - sides[1]) * across
     place, turn, rise = _pinch(hand, sum(sides))
-    frame = np.stack([inward, np.cross(way.thumb * across, inward), way.thumb * across], axis=1)
+    frame = np.stack([inward, np.cross(thumb * across, inward), thumb * across], axis=1)
     q_object_hand = from_matrix(frame @ turn.T)
     return np.concatenate([middle - rotate(q_object_hand, place), q_object_hand]), rise
 

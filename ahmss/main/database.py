@@ -20,7 +20,7 @@ from ahmss.body.inverse import grips
 from ahmss.body.quaternion import rotate
 from ahmss.database.missing import check_files
 from ahmss.database.parameter import fill
-from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel
+from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel, ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
 from ahmss.main.afforded import Actor, Meant, meant, why_not
@@ -127,7 +127,8 @@ class Database:
             raise CommandError(f"{title}: parameter {error}") from None
         _refuse_incomplete(title, act, affordance)
         check_files(self.workspace, kind, affordance.name)
-        hand = _hand(act, affordance, scene.pose(name), actor, name)
+        at = _places(kind, affordance, scene.pose(name))
+        hand = _hand(act, affordance, at, actor, name)
         goal = self._goal(act, scene, scene.pose(name))
         if "goal_position" in affordance.asks and name in actor.holds:
             goal = self._put(goal, act, scene, actor, name, hand)
@@ -142,7 +143,7 @@ class Database:
         for act in acts:
             order = self.order(act, scene, actor)
             first = order.affordance.first
-            if first and not act.follows and _away(order.hand, scene.pose(order.object), actor) > _REACHED:
+            if first and not act.follows and _away(order.hand, scene.pose(order.object)[None, :3], actor) > _REACHED:
                 found.append(self.order(Act(order.object, first, after=act.after, hand=act.hand), scene, actor))
                 order = replace(order, act=replace(act, after=0, follows=True), after=0)
             found.append(order)
@@ -325,10 +326,10 @@ def _refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:
         raise CommandError(f"{title}: asks for a posture; add `pose` and a motion clip")
 
 
-def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str) -> str:
+def _hand(act: Act, affordance: Affordance, at: Array, actor: Actor, name: str) -> str:
     """The hand that is meant: as said, the one that holds the object, or the nearer free one where a hand is asked.
 
-    A free palm that is at the object already, because it has just been reached for, is nearer than any.
+    A free palm that is at the object (n, 3) already, because it has just been reached for, is nearer than any.
     What is taken is taken in a hand, unless its action says that it needs none: a chair is sat on.
     """
     if act.hand or name in actor.holds:
@@ -337,21 +338,27 @@ def _hand(act: Act, affordance: Affordance, pose: Array, actor: Actor, name: str
     if "hand" not in affordance.asks and not in_hand:
         return ""
     busy = set(actor.holds.values())
-    palms = grips(actor.skeleton, actor.rotations, actor.root)[:, :3]
-    near = {side: float(np.linalg.norm(pose[:3] - palm)) for side, palm in zip(("right", "left"), palms, strict=True)}
+    near = {side: _away(side, at, actor) for side in ("right", "left")}
     if at_it := [side for side, distance in near.items() if distance < _AT_IT and side not in busy]:
         return min(at_it, key=lambda side: near[side])
     # The hips' z axis points back and y to the left.
     left = rotate(actor.rotations[0], np.array([0.0, 1.0, 0.0]))
-    hand = "left" if float((pose[:3] - actor.root) @ left) > _ASIDE else "right"
+    hand = "left" if float((at[0] - actor.root) @ left) > _ASIDE else "right"
     other = "right" if hand == "left" else "left"
     return other if hand in busy and other not in busy else hand
 
 
-def _away(hand: str, pose: Array, actor: Actor) -> float:
-    """Metres from a palm to an object in a pose (7,)."""
-    palms = grips(actor.skeleton, actor.rotations, actor.root)[:, :3]
-    return float(np.linalg.norm(pose[:3] - palms[1 if hand == "left" else 0]))
+def _places(kind: ObjectKind, affordance: Affordance, pose: Array) -> Array:
+    """Where an object in a pose (7,) is (1, 3), and where on it the action takes place (2, 3)."""
+    site = kind.sites.get(affordance.site or "")
+    on_it = [] if site is None else [pose[:3] + rotate(pose[3:7], np.array(site.position))]
+    return np.array([pose[:3], *on_it])
+
+
+def _away(hand: str, at: Array, actor: Actor) -> float:
+    """Metres from a palm to the nearest of places (n, 3)."""
+    palm = grips(actor.skeleton, actor.rotations, actor.root)[1 if hand == "left" else 0, :3]
+    return float(np.linalg.norm(at - palm, axis=-1).min())
 
 
 def _patience(title: str, act: Act, parameters: dict[str, Any]) -> float:

@@ -7,12 +7,15 @@ each, while only the gaze moves. Who is carried reaches for the place in the wor
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
+from ahmss.algorithm.before_pinch import Before, goal_before, is_pinched, pinches
 from ahmss.algorithm.carried import reach_while_carried
+from ahmss.algorithm.grasping import read_shape
+from ahmss.algorithm.in_target import in_target
 from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
@@ -22,9 +25,12 @@ from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal, turned_otherwise
 from ahmss.reaching.performing import Fingers, Performed
 from ahmss.reaching.plan import Reaching
+from ahmss.reaching.prism import Prism
 
 FLAW, TOUCHES = 2.0, 0.2  # of the arm on its way, from where on another turn of the palm is tried; another hand
 TOLD = 1.0, 1.0  # millimetres, degrees
+_NEAR = 15.0, 15.0  # millimetres, degrees: farther off a hand is not brought to a thing
+_PINCHES, _DEEP = 3, 0.002  # ways to come before a grip that are tried; metres in the thing
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
 
@@ -40,6 +46,14 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     gaze = Looking(task, goal.place)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     prisms = prisms_of(task)
+    if is_pinched(task):
+        read_shape(task)
+        yield gaze.alone()
+        before = yield from gaze.during(pinches(task, sides_of(task)))
+        if before:
+            made = yield from _before_pinch(task, goal, before, gaze, reaching, prisms)
+            yield task.block(made.rotations, made.root, made.importance, made.targets)
+            return
     plan = yield from planned(task, reaching, goal, gaze, prisms)
     made = yield from performed(task, reaching, plan, gaze, _shape(task, plan.reacher.side))
     for other, side in _otherwise(task, reaching, goal, made):
@@ -52,8 +66,45 @@ def _standing(task: HumanTask) -> Iterator[Array]:
             made = again
         elif made.looked < 1.0:  # the eyes have gone on since it was made
             made = yield from performed(task, reaching, made.plan, gaze, _shape(task, made.plan.reacher.side))
+    if task.goal_place is None and task.site is not None and not _is_near(goal, made):
+        raise AlgorithmError(_too_far_off(task, made))
     _tell_turned(task, goal, made)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _before_pinch(
+    task: HumanTask, goal: Goal, left: list[Before], gaze: Looking, reaching: Reaching, prisms: Sequence[Prism]
+) -> Generator[Array, None, Performed]:
+    """The frames of a hand that comes before a grip, open around what it will take: of a few the best.
+
+    Raises:
+        AlgorithmError: it is out of reach; or none of the palms can be brought there clear of it: says by how much.
+    """
+    best: tuple[float, Performed, Before] | None = None
+    made = None
+    for _ in range(_PINCHES):
+        try:
+            plan = yield from planned(task, reaching, goal_before(goal, left), gaze, prisms)
+        except AlgorithmError:
+            if best is None:
+                raise
+            break  # what is left is out of reach
+        own = [one for one in left if one.side == plan.reacher.side]
+        one = min(own, key=lambda one: one.turned_from(plan.palm))
+        made = yield from performed(task, reaching, plan, gaze, (list(fingers(one.side)), one.fingers))
+        off, turned = _off(made)
+        flaw = max(in_target(task, made) / _DEEP, off / _NEAR[0], turned / _NEAR[1])
+        best = (flaw, made, one) if best is None or flaw < best[0] else best
+        left = [other for other in left if other is not one]
+        if not left or (flaw < 1.0 and made.flaw < FLAW):
+            break
+    assert best is not None
+    flaw, chosen, one = best
+    if flaw > 1.0:
+        raise AlgorithmError(_too_far_off(task, chosen))
+    if chosen is not made and (task.length or chosen.looked < 1.0):  # the eyes have gone on since it was made
+        chosen = yield from performed(task, reaching, chosen.plan, gaze, (list(fingers(one.side)), one.fingers))
+    return chosen
 
 
 def _otherwise(task: HumanTask, reaching: Reaching, goal: Goal, made: Performed) -> list[tuple[Goal, str]]:
@@ -83,6 +134,24 @@ def _meets(goal: Goal, made: Performed) -> bool:
     """Whether the palm comes to where it was to be, and is turned so where that was asked."""
     off, turned = _off(made)
     return off <= TOLD[0] and (goal.rotation is None or turned <= TOLD[1])
+
+
+def _is_near(goal: Goal, made: Performed) -> bool:
+    """Whether the palm comes so near to where it was to be that what follows may go on from there."""
+    off, turned = _off(made)
+    return off <= _NEAR[0] and (goal.rotation is None or turned <= _NEAR[1])
+
+
+def _too_far_off(task: HumanTask, made: Performed) -> str:
+    """Why the hand is not brought there."""
+    thing, side = task.object, made.plan.reacher.side
+    name = "it" if thing is None else thing.name
+    off, turned = _off(made)
+    mended = f"{'use the other hand, ' if task.hand else ''}stand elsewhere or turn {name}"
+    if off <= _NEAR[0] and turned <= _NEAR[1]:
+        return f"the {side} hand would be {1000.0 * in_target(task, made):.0f} mm in {name}; {mended}"
+    far = f"{off:.0f} mm and {turned:.0f} degrees from what was asked at {name}"
+    return f"the {side} wrist does not turn so far: the palm would be {far}; {mended}"
 
 
 def _tell_turned(task: HumanTask, goal: Goal, made: Performed) -> None:
