@@ -5,11 +5,12 @@ What the shipped algorithms that take hold of something share, and an author may
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ahmss.algorithm.closing_depth import closing_depth
 from ahmss.algorithm.closing_way import THERE_BY, out_by, there_by
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanFrame, HumanTask, ObjectTask
@@ -33,6 +34,7 @@ _LOOKS = np.linspace(0.15, 0.9, 6)  # shares of the way at which the closing fin
 _MISSES = 0.002  # metres that the palm may be from where it is to hold
 _LEVEL, _FROM_BELOW = 0.2, 100.0  # how far up a palm may look, its direction's z, and what one more costs
 _SPINE = INDEX["spine"]
+_OUTS = (0.0, 0.04, 0.08)  # metres by which a palm goes out whose fingers would be driven into the object else
 _SOONER = 1.5  # the palm is there before the fingers have closed, by this much
 
 
@@ -108,7 +110,29 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
         by = there_by(grip.row(), holding.palm, task.length)
     if wide is not None:
         out = out_by(hand, field, (grip.row(), holding.palm), (present, holding.shape, wide), by)
-    return Closing(thing.frame.then(palm), holding.shape, wide, spine, out, by)
+    made = Closing(thing.frame.then(palm), holding.shape, wide, spine, out, by)
+    return made if task.carried else _kept_out(task, side, field, made, holding)
+
+
+def _kept_out(task: HumanTask, side: str, field: Field, made: Closing, holding: Holding) -> Closing:
+    """The closing, or one that opens wider and goes farther out, on which the hand is not driven into the object.
+
+    Raises:
+        AlgorithmError: it would be on each.
+    """
+    assert task.object is not None
+    least, wide = np.inf, opener(Hand.of(task.human, side), holding) if holding.wide is None else holding.wide
+    for way in (made, *(replace(made, wide=wide, out=out) for out in _OUTS)):
+        deep = closing_depth(task, side, field, way.palm.row(), (way.shape, way.wide), way.spine, way.out, way.by)
+        outside = np.flatnonzero(deep < DEEP)  # a hand that is in it already has to come out first
+        driven = float(deep[outside[0] if len(outside) else -1 :].max())
+        if driven < DEEP:
+            return way
+        least = min(least, driven)
+    raise AlgorithmError(
+        f"the {side} hand would be {1000.0 * least:.0f} mm in {task.object.name} as it closes; reach for it from "
+        "elsewhere, or with the other hand"
+    )
 
 
 class ArmCost:

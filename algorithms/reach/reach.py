@@ -46,8 +46,10 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     gaze = Looking(task, goal.place)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     prisms = prisms_of(task)
-    if is_pinched(task):
+    gripped = _is_gripped(task)
+    if gripped:
         read_shape(task)
+    if gripped and is_pinched(task):
         yield gaze.alone()
         before = yield from gaze.during(pinches(task, sides_of(task)))
         if before:
@@ -56,17 +58,20 @@ def _standing(task: HumanTask) -> Iterator[Array]:
             return
     plan = yield from planned(task, reaching, goal, gaze, prisms)
     made = yield from performed(task, reaching, plan, gaze, _shape(task, plan.reacher.side))
-    for other, side in _otherwise(task, reaching, goal, made):
+    deep = in_target(task, made) if gripped else 0.0
+    for other, side in _otherwise(task, reaching, goal, made, deep > _DEEP):
         try:
             plan = yield from planned(task, reaching, other, gaze, prisms, sides=(side,))
         except AlgorithmError:
             continue  # what was found first is done
         again = yield from performed(task, reaching, plan, gaze, _shape(task, side))
-        if again.flaw < made.flaw and _meets(goal, again) >= _meets(goal, made):
-            made = again
+        then = in_target(task, again) if gripped else 0.0
+        worse = max(then, _DEEP) - max(deep, _DEEP)
+        if worse < 0.0 or (worse == 0.0 and again.flaw < made.flaw and _meets(goal, again) >= _meets(goal, made)):
+            made, deep = again, then
         elif made.looked < 1.0:  # the eyes have gone on since it was made
             made = yield from performed(task, reaching, made.plan, gaze, _shape(task, made.plan.reacher.side))
-    if task.goal_place is None and task.site is not None and not _is_near(goal, made):
+    if task.goal_place is None and task.site is not None and (deep > _DEEP or not _is_near(goal, made)):
         raise AlgorithmError(_too_far_off(task, made))
     _tell_turned(task, goal, made)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
@@ -107,18 +112,18 @@ def _before_pinch(
     return chosen
 
 
-def _otherwise(task: HumanTask, reaching: Reaching, goal: Goal, made: Performed) -> list[tuple[Goal, str]]:
+def _otherwise(task: HumanTask, reaching: Reaching, goal: Goal, made: Performed, in_it: bool) -> list[tuple[Goal, str]]:
     """What else is tried, by which hand: the palm turned otherwise where the arm is badly off, the other hand where
-    this one touches things.
+    this one touches things; both where the hand would be in what it reaches for.
     """
     if task.length:
         return []
     reacher = made.plan.reacher
     found: list[tuple[Goal, str]] = []
     other = turned_otherwise(goal, reacher.side, reaching.palms(reacher, goal), made.plan.palm)
-    if other is not None and made.flaw > FLAW:
+    if other is not None and (in_it or made.flaw > FLAW):
         found.append((other, reacher.side))
-    if made.flaw > TOUCHES:
+    if in_it or made.flaw > TOUCHES:
         found += [(goal, side) for side in sides_of(task) if side != reacher.side]
     return found
 
@@ -134,6 +139,14 @@ def _meets(goal: Goal, made: Performed) -> bool:
     """Whether the palm comes to where it was to be, and is turned so where that was asked."""
     off, turned = _off(made)
     return off <= TOLD[0] and (goal.rotation is None or turned <= TOLD[1])
+
+
+def _is_gripped(task: HumanTask) -> bool:
+    """Whether it reaches for a site that hands close on, of a thing whose shape is known, as the site is turned."""
+    thing = task.object
+    if thing is None or thing.shape is None or task.goal_place is not None or task.site is None:
+        return False
+    return bool(thing.sites[task.message.site].grip) and task.parameter("turn", "site") != "free"
 
 
 def _is_near(goal: Goal, made: Performed) -> bool:

@@ -19,7 +19,7 @@ from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.database import Workspace
 from ahmss.errors import AlgorithmError
 from tests.demo.skin import Skin
-from tests.grasping.shapes import box, lathe, outside
+from tests.grasping.shapes import box, lathe, mug, outside
 
 from .scene import WORKSPACE, Body
 
@@ -145,6 +145,31 @@ def test_a_hand_whose_wrist_does_not_turn_so_far_is_refused_and_told_what_to_do(
     """What is to be met as its site is turned, and can't be: the palm is not brought into the thing."""
     with pytest.raises(AlgorithmError, match=r"left wrist does not turn so far: .* mm and .* degrees .* use the other"):
         turned_away(folder)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_reach_through_a_mug_for_its_handle_behind_it_is_refused(side: str, tmp_path: Path) -> None:
+    home = tmp_path / "objectdb" / "mug"
+    home.mkdir(parents=True)
+    corners = mug(0.046, 0.088).reshape(-1, 3)
+    trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(home / "it.stl")
+    (home / "object.toml").write_text('name = "mug"\nshape = "it.stl"\nunit = "m"\n')
+    kept = Workspace(tmp_path).objects.kept_shape("mug")
+    assert kept is not None
+    body, ahead = (
+        Body("ken", facing=0.0),
+        {"handle": SiteRecord((0.095, 0.0, 0.06), (1.0, 0.0, 0.0, 0.0), "z", "power")},
+    )
+    record = ObjectRecord(
+        5, "mug", "mug", tuple(AT.tolist()), (1.0, 0.0, 0.0, 0.0), ahead, {"diameter": 0.085}, {},
+        shape=ShapeRecord(str(kept[0]), kept[1]),
+    )  # fmt: skip
+    start = Start(
+        kind="human", human=body.skeleton.to_record(), pose=PoseRecord.of(body.rotations, body.root), frames=0,
+        object=record, site="handle", hand=side,
+    )  # fmt: skip
+    with pytest.raises(AlgorithmError, match=rf"the {side} hand would be \d+ mm in mug; use the other hand"):
+        body.do("reach", start)
 
 
 def turned_away(folder: Path) -> None:
