@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.at_mouth import with_ease
 from ahmss.algorithm.hanging import Hanging
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.staging import Staged, face, stage
@@ -52,6 +53,8 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
     staged = stage(task, clip if task.posture is None else _last(clip))
+    if staged.clip.header.targets == "face" and task.hold == "keep":
+        staged = with_ease(task, staged)
     frames = np.arange(1, task.length + 1)
     if not task.carried:  # who is carried comes nearer, or goes away
         _check_reach(task, staged)

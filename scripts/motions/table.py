@@ -12,7 +12,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, RIGHT_HAND
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply
+from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.poser import STANDING, Arm, Fingers, Posture, pose
@@ -76,7 +76,7 @@ def drink(skeleton: Skeleton, scene: Scene) -> Clip:
     """To the mouth, the cup tilted while the head goes back a little, and down again in front of the chest."""
     keys: list[Key] = []
     for time, tilt, lean, nod, arm in DRINKING:
-        posture = replace(EASY, lean=lean, nod=nod, right_arm=arm)
+        posture = replace(EASY, lean=lean, nod=nod, head_turn=HEAD_TURN, head_tilt=HEAD_TILT, right_arm=arm)
         at_mouth = mouth_cup(scene, tilt)
         keys.append(Key(time, _drinking(skeleton, scene, posture, at_mouth), at_mouth.row()))
     down = Transform(np.array([-0.32, -0.03, -0.25]), _upright_in_face(0.0))  # the upper arm hangs
@@ -88,8 +88,8 @@ def drink(skeleton: Skeleton, scene: Scene) -> Clip:
 
 REACHING = Arm(forward=35.0, aside=14.0, turn_in=18.0, elbow=45.0, pronate=0.0, swivel=-4.0)
 HOLDING = Arm(forward=12.0, aside=14.0, turn_in=30.0, elbow=85.0, pronate=0.0, swivel=-22.0)
-AT_MOUTH = Arm(forward=45.0, aside=35.0, turn_in=35.0, elbow=125.0, pronate=0.0, swivel=-50.0)
-TILTED = replace(AT_MOUTH, swivel=-45.0)
+AT_MOUTH = Arm(forward=45.0, aside=35.0, turn_in=35.0, elbow=125.0, pronate=0.0, swivel=-44.0)
+TILTED = replace(AT_MOUTH, swivel=-46.0)
 EASY = replace(STANDING, right_fingers=AROUND)
 AT_TABLE = replace(
     STANDING, hips_lean=9.0, lean=9.0, turn=7.0, hips_turn=3.0, nod=4.0, shift=(0.05, -0.005),
@@ -97,12 +97,14 @@ AT_TABLE = replace(
 )  # fmt: skip
 # Time, tilt of the cup, lean of the trunk, nod of the head (degrees), and the arm that says where the elbow is.
 DRINKING = (
-    (0.25, 26.0, 5.0, 12.0, AT_MOUTH), (0.45, 42.0, 1.0, 0.0, TILTED), (0.58, 46.0, 0.5, -3.0, TILTED),
-    (0.69, 26.0, 4.0, 9.0, AT_MOUTH),
+    (0.25, 28.0, 5.0, 10.0, AT_MOUTH), (0.45, 38.0, 2.0, 2.0, TILTED), (0.58, 41.0, 1.0, 0.0, TILTED),
+    (0.69, 28.0, 4.0, 8.0, AT_MOUTH),
 )  # fmt: skip
 YAW_ON_CUP = 112.0  # degrees from the cup's x (away from the human) to the palm's
 HAND_DOWN = 0.0  # degrees that the fingers point below the level
-YAW_AT_MOUTH = 62.0  # degrees that the hand turns about the cup's axis on the way to the mouth
+HEAD_TURN, HEAD_TILT = 6.0, -6.0  # degrees, to the left
+POURS_ASIDE = 30.0  # degrees from the face's middle to the side of the hand
+YAW_AT_MOUTH = 45.0  # degrees that the hand turns about the cup's axis on the way to the mouth
 WHOLE = {"": 1.0, "head": 0.05, "left_": 0.3, "root": 1.0}
 WHOLE |= {f"left_{link}": 1.0 for link in ("upper_leg", "lower_leg", "foot")}
 # With the cup in the hand the fingers stay as they closed around it.
@@ -128,9 +130,12 @@ def holding(scene: Scene, cup: Transform, arm: Arm, posture: Posture) -> Posture
 
 def mouth_cup(scene: Scene, tilt: float) -> Transform:
     """The rim in the face's frame (x up, z back), its near edge at the lips, tilted to them by some degrees."""
-    t = np.radians(tilt)
-    tilted = multiply(from_axis_angle(LEFT, -t), _upright_in_face(YAW_AT_MOUTH))
-    return Transform(scene.cup_radius * np.array([np.sin(t), 0.0, -np.cos(t)]), tilted)
+    aside = np.radians(POURS_ASIDE)
+    tilted = from_axis_angle(np.array([0.0, -np.cos(aside), -np.sin(aside)]), np.radians(tilt))
+    up = rotate(tilted, np.array([1.0, 0.0, 0.0]))
+    ahead = np.array([0.0, 0.0, -1.0]) + up[2] * up
+    away = scene.cup_radius / np.linalg.norm(ahead) * ahead
+    return Transform(away, multiply(tilted, _upright_in_face(YAW_AT_MOUTH)))
 
 
 def _upright_in_face(yaw: float) -> Array:

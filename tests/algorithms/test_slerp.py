@@ -10,7 +10,8 @@ from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.messages import Goal
 from ahmss.algorithm.performance import Performance
 from ahmss.algorithm.staging import lips
-from ahmss.body.inverse import GAZE, RIGHT_HAND
+from ahmss.body.arm import Arm, hand_angles
+from ahmss.body.inverse import GAZE, RIGHT_HAND, grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import norm, rotate
@@ -131,6 +132,38 @@ def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
 def test_of_a_wider_cup_the_edge_comes_to_the_mouth_and_not_the_middle(wide: float) -> None:
     """At the same distance from the middle its rim was 9 mm in the face."""
     assert rim_from_mouth("ken", wide) - rim_from_mouth("ken") == pytest.approx(0.036 * (wide - 1.0), abs=5e-4)
+
+
+def arms_at_the_lips(body: Body, hand: str) -> np.ndarray:
+    """Degrees (n, 4) of the arm that drinks, the rim at the lips: elbow, upper arm from hanging, wrist, forearm."""
+    side = ("right", "left").index(hand)
+    body.do("slerp", body.start(CUP, "reach", hand=hand, **REACH))
+    in_palm = body.grip(side).inverse().then(frame_of(CUP))
+    arm, first, head = Arm.of(body.skeleton, hand), INDEX[f"{hand}_upper_arm"], INDEX["head"]
+    measured: list[np.ndarray] = []
+    for pose in body.do("slerp", body.start(CUP, "drink", hand=hand, frame=body.grip(side).then(in_palm))):
+        places, turn = forward(pose.rotations, pose.root, body.skeleton.offsets)
+        rim = Transform.of(grips(body.skeleton, pose.rotations, pose.root)[side]).then(in_palm)
+        mouth = places[head] + rotate(turn[head], lips(body.skeleton))
+        if np.linalg.norm(rim.apply(np.array([0.0, 0.0, 0.095])) - mouth) > 0.042:
+            continue
+        upper, fore, fingers = rotate(turn[first : first + 3], np.array([1.0, 0.0, 0.0]))
+        forearm = hand_angles(arm.from_pose(pose.rotations[first : first + 3]))[0]
+        bent = np.arccos([upper @ fore, -upper[2], fore @ fingers])
+        measured.append(np.degrees([*bent, abs(forearm)]))
+    return np.array(measured)
+
+
+@pytest.mark.parametrize(("hand", "y", "facing"), [("right", 0.0, -20.0), ("left", -0.3, 20.0)])
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+def test_the_arm_drinks_as_an_arm_does(name: str, hand: str, y: float, facing: float) -> None:
+    """People: elbow 130, upper arm 43 ahead and 31 aside, wrist near straight; ours has the cup square to the hand."""
+    elbow, raised, wrist, forearm = arms_at_the_lips(Body(name, y=y, facing=facing), hand).T
+    assert len(elbow) > 60
+    assert 120.0 < elbow.min() <= elbow.max() < 138.0
+    assert 45.0 < raised.min() <= raised.max() < 76.0
+    assert 5.0 < wrist.max() < 37.0
+    assert forearm.max() < 80.0
 
 
 def test_every_frame_is_a_pose() -> None:

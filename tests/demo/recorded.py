@@ -11,7 +11,8 @@ from ahmss.algorithm import Transform
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
-from ahmss.body.quaternion import normalize
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import normalize, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.world.recording import Reader
 from ahmss.world.view import World
@@ -56,6 +57,14 @@ class Recorded:
     def links(self) -> tuple[Array, Array]:
         """Places (F, 43, 3) and world rotations (F, 43, 4)."""
         return forward(self.rotations, self.root, self.skeleton.offsets)
+
+    def arm(self, side: int) -> tuple[Array, Array, Array]:
+        """The right (0) or left (1) arm at each frame, degrees: the elbow, the upper arm from hanging, the wrist."""
+        first = INDEX[f"{('right', 'left')[side]}_upper_arm"]
+        upper, fore, hand = np.moveaxis(rotate(self.links[1][:, first : first + 3], np.array([1.0, 0.0, 0.0])), 1, 0)
+        elbow, wrist = ((a * b).sum(axis=-1) for a, b in ((upper, fore), (fore, hand)))
+        bent = np.degrees(np.arccos(np.clip([elbow, -upper[:, 2], wrist], -1.0, 1.0)))
+        return bent[0], bent[1], bent[2]
 
     def grip(self, side: int) -> Transform:
         """The right (0) or left (1) palm's frame at each frame."""

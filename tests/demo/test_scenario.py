@@ -198,6 +198,14 @@ def test_the_cup_is_carried_level(scenario: Scenario) -> None:
     assert scenario.tilt.max() > 40.0  # it was drunk from
 
 
+def test_the_arm_drinks_as_an_arm_does_while_walking(scenario: Scenario) -> None:
+    elbow, raised, wrist = (angle[scenario.from_lips < 0.04] for angle in scenario.played.arm(scenario.side))
+    assert len(elbow) > 60
+    assert 118.0 < elbow.min() <= elbow.max() < 138.0
+    assert 45.0 < raised.min() <= raised.max() < 77.0
+    assert 5.0 < wrist.max() < 37.0
+
+
 def test_nothing_is_gone_through(scenario: Scenario) -> None:
     nothing_is_gone_through(scenario)
 

@@ -109,8 +109,10 @@ def test_it_drinks(demo: Recorded) -> None:
     sipping = near < 0.008
     assert 1.0 < sipping.sum() / demo.rate < 2.2
     assert 40.0 < tilt[sipping].max() < 75.0
-    elbow = np.degrees(np.linalg.norm(to_rotation_vector(demo.rotations[:, INDEX["right_lower_arm"]]), axis=-1))
-    assert 100.0 < elbow[sipping].max() < 150.0
+    elbow, raised, wrist = (angle[sipping] for angle in demo.arm(0))
+    assert 120.0 < elbow.min() <= elbow.max() < 138.0
+    assert 45.0 < raised.min() <= raised.max() < 77.0
+    assert 5.0 < wrist.max() < 37.0
 
 
 def test_the_head_turns_to_the_television_while_the_hand_reaches(demo: Recorded) -> None:
