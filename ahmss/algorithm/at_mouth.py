@@ -32,7 +32,7 @@ _SWINGS = np.radians(np.arange(-80.0, 81.0, 4.0))  # of the elbow, from where it
 _OUT = 0.4  # how far it is out there, to one down
 # What costs 1, degrees: the forearm's turn, the hand's bend to the sides, to palm and back.
 _WIDTHS = np.radians([50.0, 15.0, 22.0])
-_RAISED, _RAISES = np.radians(50.0), np.radians(11.0)  # an upper arm from which on, and by how much more
+_RAISED, _RAISES = np.radians(20.0), np.radians(16.0)  # an upper arm from which on, and by how much more
 _ASIDE, _ASIDES = np.radians(30.0), np.radians(20.0)  # which way it is raised, from ahead to its side
 _CHANGES = np.radians(30.0)  # from the key before
 _BEYOND, _MISSING = 50.0, 60.0  # a radian beyond a joint's limit, a metre too far
