@@ -1,4 +1,4 @@
-"""How deep a hand that reaches, and the head that bends over it, are in what is reached for."""
+"""How deep a hand that reaches, its forearm, and the head that bends over it, are in what is reached for."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ __all__ = ["in_target"]
 
 _EVERY = 2  # frames
 _HEAD, _ROUND = INDEX["head"], 0.09  # metres
+_FLESH = 0.8  # of the forearm's radius, which is less to its sides
 _ALONG = np.array([0.3, 0.6, 0.9])
 
 
 def in_target(task: HumanTask, made: Performed) -> float:
-    """Metres by which skin of hand or head is in the shape of what is reached for, on the way or at its end.
+    """Metres by which skin of hand, forearm or head is in the shape of what is reached for, on the way or at its end.
 
     What is in it already as the hand sets out does not count; 0 where nothing is, or there is no shape.
     """
@@ -39,4 +40,7 @@ def in_target(task: HumanTask, made: Performed) -> float:
     places, turned = forward(made.rotations[some], made.root[some], task.human.offsets)
     tip = _ALONG[:, None, None] * rotate(turned[:, _HEAD], task.human.tips[_HEAD])
     head = _ROUND - float(field.clearance(back.apply(places[:, _HEAD] + tip)).min())
-    return max(deep, head, 0.0)
+    arm = INDEX[f"{side}_lower_arm"]
+    along = _ALONG[:, None, None] * rotate(turned[:, arm], task.human.tips[arm])
+    forearm = _FLESH * float(task.human.radii[arm]) - float(field.clearance(back.apply(places[:, arm] + along)).min())
+    return max(deep, head, forearm, 0.0)

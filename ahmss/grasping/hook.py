@@ -19,6 +19,7 @@ __all__ = ["hook", "until_it_touches"]
 # What is tried: radians about the bar by which the palm is turned from how it is, at the knuckles, and of the fingers'
 # middle and end joints as they come; metres from the knuckles at which the bar lies across the fingers, and along it.
 AROUND = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
+SLANTS = np.radians([0.0, 15.0, -15.0])  # by which the hand lies askew of the bar, where the arm asks for it
 KNUCKLES, ENDS = np.radians([30.0, 10.0, 55.0]), np.radians([[12.0, 55.0], [12.0, 30.0], [75.0, 30.0], [75.0, 30.0]])
 THREE = 3  # of these, where the little finger stays straight: it does not go through
 ACROSS, NEAR, FAR = np.array([0.022, 0.032]), np.array([0.0, -0.013, 0.013]), np.array([-0.024, 0.024])
@@ -49,10 +50,11 @@ def hook(hand: Hand, field: Field, rotation: Array, site: Array, cost: Cost | No
         The grip; None where the bar does not come to lie across at least two fingers that go around it.
     """
     up = rotate(site[3:], np.array([0.0, 0.0, 1.0]))
-    palms = np.concatenate(
-        [np.tile(site[:3], (len(AROUND), 1)), multiply(from_axis_angle(up, AROUND), rotation)], axis=1
-    )
-    worth = 0.5 * np.abs(AROUND)
+    slants = SLANTS if cost is not None else SLANTS[:1]
+    around, slant = (a.ravel() for a in np.meshgrid(AROUND, slants, indexing="ij"))
+    turned = multiply(multiply(from_axis_angle(up, around), rotation), from_axis_angle(X, slant))
+    palms = np.concatenate([np.tile(site[:3], (len(around), 1)), turned], axis=1)
+    worth = 0.5 * np.abs(around) + 0.5 * np.abs(slant)
     if cost is not None:
         of_arm, can = cost(palms)
         worth = worth + ARM * of_arm + np.where(can, 0.0, CANNOT)

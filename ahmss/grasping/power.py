@@ -12,7 +12,7 @@ from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Cost, Holding, Trial, best
 from ahmss.grasping.hook import hook, until_it_touches
 
-__all__ = ["power"]
+__all__ = ["THIN", "power"]
 
 # What is tried, the first alone where that will do: metres by which the axis lies before the palm's middle, towards the
 # fingers, and metres along the axis.
@@ -46,8 +46,10 @@ def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None 
     rotation = _level(grip, site[:3], rotate(site[3:], Z))
     wrapped = _wrapped(hand, field, grip, site, rotation)
     thick = abs(float(field.clearance(site[:3]))) > THIN  # full, or hollow: nothing there that fingers go around
-    if wrapped is not None and wrapped.holds and (thick or _is_around(hand, wrapped, site)):
-        return wrapped
+    if wrapped is not None and wrapped.holds:
+        brought = cost is None or bool(cost(wrapped.palm[None])[1][0])
+        if thick or (brought and _is_around(hand, wrapped, site)):
+            return wrapped
     return hook(hand, field, rotation, site, cost) or wrapped
 
 

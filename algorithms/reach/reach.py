@@ -12,7 +12,7 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.before_pinch import Before, goal_before, is_pinched, pinches
+from ahmss.algorithm.before_grip import Before, goal_before, grips_before
 from ahmss.algorithm.carried import reach_while_carried
 from ahmss.algorithm.grasping import read_shape
 from ahmss.algorithm.in_target import in_target
@@ -49,11 +49,10 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     gripped = _is_gripped(task)
     if gripped:
         read_shape(task)
-    if gripped and is_pinched(task):
         yield gaze.alone()
-        before = yield from gaze.during(pinches(task, sides_of(task)))
+        before = yield from gaze.during(grips_before(task, sides_of(task)))
         if before:
-            made = yield from _before_pinch(task, goal, before, gaze, reaching, prisms)
+            made = yield from _before_grip(task, goal, before, gaze, reaching, prisms)
             yield task.block(made.rotations, made.root, made.importance, made.targets)
             return
     plan = yield from planned(task, reaching, goal, gaze, prisms)
@@ -77,7 +76,7 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 
 
-def _before_pinch(
+def _before_grip(
     task: HumanTask, goal: Goal, left: list[Before], gaze: Looking, reaching: Reaching, prisms: Sequence[Prism]
 ) -> Generator[Array, None, Performed]:
     """The frames of a hand that comes before a grip, open around what it will take: of a few the best.
@@ -146,7 +145,11 @@ def _is_gripped(task: HumanTask) -> bool:
     thing = task.object
     if thing is None or thing.shape is None or task.goal_place is not None or task.site is None:
         return False
-    return bool(thing.sites[task.message.site].grip) and task.parameter("turn", "site") != "free"
+    return (
+        bool(thing.sites[task.message.site].grip)
+        and task.goal_rotation is None
+        and task.parameter("turn", "site") != "free"
+    )
 
 
 def _is_near(goal: Goal, made: Performed) -> bool:

@@ -1,4 +1,4 @@
-"""A box and a knob straight ahead, turned this way and that: reached for and pinched, by the skin that viewers show."""
+"""A box, a knob and a mug straight ahead, turned this way and that: reached for and held, as the skin is shown."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ DEEPEST = 0.002  # metres that skin may be in the thing, in any frame
 TOUCHES, OPPOSITE = 0.003, -0.6  # metres; cosine between the normals under the thumb and under the fingers
 AT, SITE = np.array([0.42, 0.0, 0.88]), SiteRecord((0.0, 0.0, 0.07), (0.5**0.5, 0.5**0.5, 0.0, 0.0), "", "precision")
 KNOB = [(0.0, 0.0), (0.012, 0.0), (0.012, 0.05), (0.025, 0.055), (0.025, 0.08), (0.0, 0.085)]
+UP = np.array([0.0, 0.0, 1.0])
 SIZES = {"box": [0.05, 0.06, 0.12], "knob": [0.05, 0.05, 0.085]}
 HANDS = [("ken", "right"), ("ken", "left"), ("aiko", "right"), ("aiko", "left")]
 TURNS = (-40, -20, 0, 20, 40)
@@ -67,7 +68,7 @@ class Pinched:
 
 
 def pinched(folder: Path, name: str, who: str, side: str, turn: float) -> Pinched:
-    frame = Transform(AT, from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(np.radians(turn))))
+    frame = Transform(AT, from_axis_angle(UP, np.array(np.radians(turn))))
     kept = Workspace(folder).objects.kept_shape(name)
     assert kept is not None
     half = 0.5 * np.array(SIZES[name][:2])
@@ -147,27 +148,48 @@ def test_a_hand_whose_wrist_does_not_turn_so_far_is_refused_and_told_what_to_do(
         turned_away(folder)
 
 
-@pytest.mark.parametrize("side", ["right", "left"])
-def test_a_reach_through_a_mug_for_its_handle_behind_it_is_refused(side: str, tmp_path: Path) -> None:
-    home = tmp_path / "objectdb" / "mug"
+def before_a_mug(folder: Path, side: str, turn: float) -> tuple[Body, Start, Transform]:
+    """A human, a mug whose handle points ahead and that is turned then, and a reach for the handle."""
+    home = folder / "objectdb" / "mug"
     home.mkdir(parents=True)
     corners = mug(0.046, 0.088).reshape(-1, 3)
     trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(home / "it.stl")
     (home / "object.toml").write_text('name = "mug"\nshape = "it.stl"\nunit = "m"\n')
-    kept = Workspace(tmp_path).objects.kept_shape("mug")
+    kept = Workspace(folder).objects.kept_shape("mug")
     assert kept is not None
-    body, ahead = (
-        Body("ken", facing=0.0),
-        {"handle": SiteRecord((0.095, 0.0, 0.06), (1.0, 0.0, 0.0, 0.0), "z", "power")},
-    )
+    body, frame = Body("ken", facing=0.0), Transform(AT, from_axis_angle(UP, np.array(np.radians(turn))))
+    ahead = {"handle": SiteRecord((0.095, 0.0, 0.06), (1.0, 0.0, 0.0, 0.0), "z", "power")}
     record = ObjectRecord(
-        5, "mug", "mug", tuple(AT.tolist()), (1.0, 0.0, 0.0, 0.0), ahead, {"diameter": 0.085}, {},
+        5, "mug", "mug", tuple(AT.tolist()), tuple(frame.rotation.tolist()), ahead, {"diameter": 0.085}, {},
         shape=ShapeRecord(str(kept[0]), kept[1]),
     )  # fmt: skip
     start = Start(
         kind="human", human=body.skeleton.to_record(), pose=PoseRecord.of(body.rotations, body.root), frames=0,
         object=record, site="handle", hand=side,
     )  # fmt: skip
+    return body, start, frame
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_handle_behind_its_mug_is_taken_from_beside_it(side: str, tmp_path: Path) -> None:
+    body, start, frame = before_a_mug(tmp_path, side, 0.0)
+    shown = body.do("reach", start)
+    shown += body.do("grasp", replace(start, pose=PoseRecord.of(body.rotations, body.root), frames=30))
+    of, near = skin("ken"), mug(0.046, 0.088)
+    chosen = np.flatnonzero(np.isin(of.link, [INDEX[f"{side}_hand"], *fingers(side)]))
+    for pose in [*shown[20::10], shown[-1]]:
+        gaps = outside(seen(of, pose, frame, chosen), near, TOUCHES)
+        assert gaps.min() > -DEEPEST, LINKS[of.link[chosen[gaps.argmin()]]]
+    on = {LINKS[link].split("_")[1] for link in of.link[chosen[gaps < TOUCHES]].tolist()} - {"hand"}
+    assert "thumb" in on
+    assert len(on) >= 3, on
+
+
+@pytest.mark.parametrize(("side", "turn"), [("right", 90.0), ("left", -90.0)])
+def test_a_handle_that_a_hand_can_not_come_to_but_through_its_mug_is_refused(
+    side: str, turn: float, tmp_path: Path
+) -> None:
+    body, start, _ = before_a_mug(tmp_path, side, turn)
     with pytest.raises(AlgorithmError, match=rf"the {side} hand would be \d+ mm in mug; use the other hand"):
         body.do("reach", start)
 

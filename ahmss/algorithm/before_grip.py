@@ -1,0 +1,130 @@
+"""Where a hand is brought that is to pinch a thing, or to go around a bar: before a grip which its arm can then close.
+
+Pads press from two sides, so the thumb may be on either of them and the hand may come from many directions about the
+line between them; fingers go through a loop from one side of it. Which of these is comfortable depends on the arm:
+those that hold are sought, the easiest first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ahmss.algorithm.grasping import ArmCost, field_at
+from ahmss.algorithm.place import Transform
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.quaternion import rotate
+from ahmss.grasping.field import Field
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import Cost, Holding, opener
+from ahmss.grasping.power import THIN, power
+from ahmss.grasping.precision import TILTED, pinch, ways_to
+from ahmss.reaching.comfort import around_axis
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.steps import Steps
+
+__all__ = ["Before", "goal_before", "grips_before"]
+
+_BACK = np.array([0.05, 0.07, 0.09])  # metres by which the palm stays behind where it holds
+_CLEAR = 0.01  # metres that the open hand keeps there
+_ENOUGH, _TRIED = 2, 6  # grips of each hand that are found, and ways that are tried for them
+_CANNOT = 100.0  # what it costs that the arm can't
+
+
+@dataclass(frozen=True, eq=False)
+class Before:
+    """A palm (7,) in the world before a grip of one hand, with the fingers (14, 4) open around what it takes."""
+
+    side: str
+    palm: Array
+    fingers: Array
+
+    def turned_from(self, palm: Array) -> float:
+        """Radians between its palm and one (7,)."""
+        return float(2.0 * np.arccos(min(1.0, abs(float(self.palm[3:] @ palm[3:])))))
+
+
+def grips_before(task: HumanTask, sides: Sequence[str]) -> Steps[list[Before]]:
+    """The places before grips that hold, by hands of either side, those first that an arm takes most easily.
+
+    None where the site has a power grip about what is thick: there the palm stops before the wall.
+
+    Raises:
+        AlgorithmError: nothing of the thing is at its site.
+    """
+    thing = task.object
+    assert thing is not None
+    assert task.site is not None
+    site = thing.frame.inverse().then(task.site)
+    field = field_at(task, site.place)
+    pinched = thing.sites[task.message.site].grip == "precision"
+    if not pinched and abs(float(field.clearance(site.place))) > THIN:
+        return []
+    found: list[tuple[float, Before]] = []
+    for side in sides:
+        yield
+        hand, cost = Hand.of(task.human, side), ArmCost(task, side).cost
+        some = yield from _pinches(hand, field, site, cost) if pinched else _bars(task, hand, field, cost)
+        for total, holding, inward in some:
+            fingers = opener(hand, holding) if holding.wide is None else holding.wide
+            palms = np.concatenate(
+                [holding.palm[:3] - _BACK[:, None] * inward, np.tile(holding.palm[3:], (len(_BACK), 1))], axis=1
+            )
+            skin = np.array([hand.depth(field, palm[None], fingers[None]) for palm in palms])
+            clear = np.flatnonzero(np.maximum(skin, hand.palm_depth(field, palms)) < -_CLEAR)
+            if len(clear):
+                there = thing.frame.then(Transform.of(palms[clear[0]])).row()
+                found.append((total, Before(side, there, fingers)))
+    return [one for _, one in sorted(found, key=lambda one: one[0])]
+
+
+_Grip = tuple[float, Holding, Array]  # what it costs, the grip, and the direction (3,) in which the hand comes to it
+
+
+def _pinches(hand: Hand, field: Field, site: Transform, cost: Cost) -> Steps[list[_Grip]]:
+    """Grips between thumb and fingers at a site."""
+    ways = ways_to(hand, field, site.row())
+    if not ways:
+        return []
+    yield
+    palms, inward = np.array([way.palm for way in ways]), np.array([way.inward for way in ways])
+    back = np.concatenate([palms[:, :3] - _BACK[0] * inward, palms[:, 3:]], axis=1)
+    (held, can), (before, comes) = cost(palms), cost(back)
+    total = held + before + TILTED * np.abs([way.tilt for way in ways]) + np.where(can & comes, 0.0, _CANNOT)
+    found: list[_Grip] = []
+    for i in np.argsort(total, kind="stable")[:_TRIED]:
+        yield
+        holding = pinch(hand, field, ways[i])
+        if holding is not None and holding.holds:
+            found.append((float(total[i]), holding, inward[i]))
+        if len(found) == _ENOUGH:
+            break
+    return found
+
+
+def _bars(task: HumanTask, hand: Hand, field: Field, cost: Cost) -> Steps[list[_Grip]]:
+    """The grip around the bar at the action's site."""
+    assert task.object is not None
+    assert task.site is not None
+    reacher, to_object = Reacher.of(task.human, hand.side), task.object.frame.inverse()
+    turned = around_axis(task.site.row(), reacher.sign)
+    palms = to_object.then(Transform(np.tile(task.site.place, (len(turned), 1)), turned)).row()
+    easiest = palms[int(cost(palms)[0].argmin())]
+    yield
+    holding = power(hand, field, easiest, to_object.then(task.site).row(), cost)
+    if holding is None or not holding.holds:
+        return []
+    return [(float(cost(holding.palm[None])[0][0]), holding, rotate(holding.palm[3:], np.array([1.0, 0.0, 0.0])))]
+
+
+def goal_before(goal: Goal, some: Sequence[Before]) -> Goal:
+    """The goal with the palms of those places."""
+    palms: dict[str, list[Array]] = {}
+    for one in some:
+        palms.setdefault(one.side, []).append(one.palm)
+    made: Mapping[str, Array] = {side: np.array(own) for side, own in palms.items()}
+    return replace(goal, palms=made)
