@@ -21,7 +21,7 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Cost, Holding, opener
 from ahmss.grasping.power import THIN, power
-from ahmss.grasping.precision import TILTED, pinch, ways_to
+from ahmss.grasping.precision import TILTED, TILTS, Way, pinch, ways_to
 from ahmss.reaching.comfort import around_axis
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.reacher import Reacher
@@ -87,10 +87,12 @@ _Grip = tuple[float, Holding, Array]  # what it costs, the grip, and the directi
 
 def _pinches(hand: Hand, field: Field, site: Transform, cost: Cost) -> Steps[list[_Grip]]:
     """Grips between thumb and fingers at a site."""
-    ways = ways_to(hand, field, site.row())
+    ways: list[Way] = []
+    for tilts in np.split(TILTS, 3):
+        ways += ways_to(hand, field, site.row(), tilts)
+        yield
     if not ways:
         return []
-    yield
     palms, inward = np.array([way.palm for way in ways]), np.array([way.inward for way in ways])
     back = np.concatenate([palms[:, :3] - _BACK[0] * inward, palms[:, 3:]], axis=1)
     (held, can), (before, comes) = cost(palms), cost(back)
