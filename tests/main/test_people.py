@@ -106,7 +106,7 @@ class Slow:
 
 def test_what_moved_while_an_algorithm_was_late_is_told_with_its_next_frame() -> None:
     communication, process = SimpleNamespace(world=crowd((0, 0, 0), (1, 0, 0), (2, 0, 0)), human="me"), Slow()
-    control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
+    control = Control(SimpleNamespace(workspace=None), communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
     wants = SimpleNamespace(
         after=0, frames=0, wish=True, human_algorithm=SimpleNamespace(humans=True, ways=False, carries=False)
     )
@@ -131,7 +131,7 @@ def test_what_moved_while_an_algorithm_was_late_is_told_with_its_next_frame() ->
 def test_who_comes_after_an_algorithm_has_begun_is_told_of() -> None:
     communication, process = SimpleNamespace(world=crowd((0, 0, 0), (1, 0, 0)), human="me"), Slow()
     process.pending = 0
-    control = Control(None, communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
+    control = Control(SimpleNamespace(workspace=None), communication, None, print, print, None, rate=60.0)  # type: ignore[arg-type]
     body = SimpleNamespace(root=np.zeros(3), rotations=np.zeros((43, 4)), grips=np.zeros((2, 7)))
     for humans in (True, False):
         algorithm = SimpleNamespace(humans=humans, ways=False, carries=False)
