@@ -28,9 +28,7 @@ TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand wou
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers
 OPEN_BY = 0.55  # share of the time: the opened fingers clear of the wall
 GAZE = 4
-# Its importance: at first a thousand times a walk's, which comes back in one frame where it ends, then ten times: the
-# body comes nearer, and needs to bend less.
-SPINE, EASED = 400.0, 4.0
+SPINE = 400.0  # its importance, a thousand times a walk's: what is left to that is given back when it ends, at once
 
 
 def grasp(task: HumanTask) -> Iterator[Array]:
@@ -145,9 +143,7 @@ def _frames(task: HumanTask, side: str, shapes: Array, palm: tuple[Array, Array]
     shares = {f"{side}_{part}": 1.0 for part in ("upper_arm", "lower_arm", "hand", "thumb", "index", "middle")}
     if spine is not None or task.carried:  # bent for the hand, or as the reach has left it, while the hand goes
         shares["spine"] = SPINE
-    cares = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
-    importance = np.repeat(cares[None], length, axis=0)
-    importance[:, INDEX["spine"]] *= (EASED / SPINE) ** moved
+    importance = importance_of(shares | {f"{side}_ring": 1.0, f"{side}_little": 1.0, "head": 0.05})
     if task.site is not None and not task.parameter("open", False):
         targets[:, GAZE, :3] = task.site.place
         targets[:, GAZE, 7] = 1.0
