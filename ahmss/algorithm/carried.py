@@ -28,8 +28,8 @@ __all__ = ["reach_while_carried"]
 
 _SPINE = INDEX["spine"]
 _MOST_MISSED = 0.06  # metres that are not told of who was carried to a thing
-_RELAXED = 0.9  # seconds of a reach on the way, where the frames are given
-_FOLLOWS = 1.15  # and where it follows the body: a hand that is still beside a table is over its edge in time
+_RELAXED = 0.9  # seconds of a reach on the way
+_SETS_OUT = 1.35  # seconds before the body is near enough: a hand that hangs beside a table is over its edge in time
 _SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
 _BENDS = 0.25  # metres that the waist gives to who stands where the walk has ended
 _BENDS_IN = 0.8  # seconds
@@ -43,7 +43,9 @@ _NEWEST = 0.06  # of the mean closing speed that the newest frame makes: the mea
 _LINGERS = 0.98  # of the time, where the hand waits for the waist
 _ARM = 20.0  # its importance: of an arm that is high up even a little of a walk's, which hangs, is much
 _HANGS_ON = 12  # frames: who is carried beyond the arm in these lets go of the place with the last frame
-_QUICKER = 1.3  # times as fast as usual a reach goes at the most
+_RAISED = 0.4  # of the time: so far a hand goes at once, wherever the body is
+_BEHIND = 0.08  # metres that a hand is behind on its way, for which the time waits
+_STILL_GOES = 0.25  # of its pace, that it keeps where the body has come to rest: no more comes that it could wait for
 
 
 def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fingers]) -> Iterator[Array]:
@@ -58,9 +60,10 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
         AlgorithmError: the body has come to rest too far away.
     """
     gaze, begun, nearing, things = _Gaze(task, goal.place), 0, _Nearing(task, goal), Things(task)
-    relaxed, last = round((_RELAXED if task.length else _FOLLOWS) * task.rate), task.present.root.copy()
+    relaxed, sets_out = (round(seconds * task.rate) for seconds in (_RELAXED, _SETS_OUT))
+    last = task.present.root.copy()
     then = task.present.rotations.copy(), last
-    while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(relaxed):
+    while begun < _head_start(task.length, relaxed) if task.length else not nearing.near_in(sets_out):
         begun, last = begun + 1, task.present.root.copy()
         then = task.present.rotations.copy(), last
         yield task.block(task.start.rotations[None], task.start.root[None], *gaze.next())
@@ -71,7 +74,7 @@ def reach_while_carried(task: HumanTask, goal: Goal, shape: Callable[[str], Fing
     time, k = 0.0, begun
     while time < 1.0:
         k += 1
-        time = (k - begun) / (task.length - begun) if task.length else nearing.time(time, relaxed)
+        time = (k - begun) / (task.length - begun) if task.length else nearing.time(time, relaxed, carried.behind)
         rotations, on = task.present.rotations, task.present.root - last
         last = task.present.root.copy()
         root = last + on  # about where it will be carried by this frame
@@ -179,17 +182,23 @@ class _Nearing:
         towards = self._towards / max(float(np.linalg.norm(self._towards)), 1e-9)
         return (1.0 - self.waist) * max(self._missing, 0.0) * towards
 
-    def time(self, before: float, frames: int) -> float:
-        """The share of the reach's time that the next frame is at, which follows the body; of so many frames at rest.
+    def time(self, before: float, frames: int, behind: float) -> float:
+        """The share of the reach's time that the next frame is at, which follows the body.
+
+        Args:
+            before: that of the last frame.
+            frames: those of a reach, which it does not go faster than.
+            behind: metres by which the hand is behind on its way: the time waits for it.
 
         Raises:
             AlgorithmError: the body has come to rest too far away.
         """
         self.near_in(frames)
+        pace = max(1.0 - behind / _BEHIND, _STILL_GOES if self.rests else 0.0)
+        fastest = min(before + pace / frames, 1.0)
         if self._begun <= 0.0 or self.rests:
-            time = before + 1.0 / frames
-            return min(time, 1.0) if self._missing <= 0.0 or self.waist >= 1.0 else min(time, _LINGERS)
-        return min(max(before, 1.0 - self._missing / self._begun), before + _QUICKER / frames, 1.0)
+            return fastest if self._missing <= 0.0 or self.waist >= 1.0 else min(fastest, _LINGERS)
+        return min(max(before, 1.0 - self._missing / self._begun, _RAISED), fastest)
 
 
 def _tell_missed(task: HumanTask, carried: Carried) -> None:

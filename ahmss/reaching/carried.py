@@ -55,6 +55,7 @@ class Carried:
     """One hand of a human who is carried, from frame to frame.
 
     reacher: the arm; palm (7,): where it comes to. short: metres by which the hand was not there in the last step.
+    behind: metres by which its arm was behind on its way, as it does not turn so fast, or reach so far yet.
 
     Args:
         skeleton: the human's measures. goal: where the palm shall be.
@@ -93,7 +94,7 @@ class Carried:
         self._drift = (self._on_body - _on_body(self.reacher, *then))[:3]
         links = self.reacher.arm.from_pose(then[0][self.reacher.links])
         self._led, self._evading = Led(), Evading(self.reacher, self._begun)
-        self._tracking, self.short = Tracking(self.reacher, self._begun, links), 0.0
+        self._tracking, self.short, self.behind = Tracking(self.reacher, self._begun, links), 0.0, 0.0
         self._waist, self._bends = self._spine, np.zeros(3)
         self._chest = seat(skeleton, *then)[1]
         self._distance, self._goes, self._left, self._time = np.inf, 0.0, 0.0, 0.0
@@ -149,12 +150,16 @@ class Carried:
         out[_SPINE] = bent
         if time < _SETTLED or not settles:
             self._end_from(out, root)
+        # A hand that sets out goes to where the body will bring it to its place from.
+        with_body = 0.0 if settles else 1.0 - minimum_jerk(np.array(time))
+        end = np.concatenate([self.palm[:3] - with_body * ahead, self.palm[3:]])
         if near and time < _LED_BY:
-            self._led.step(near, self._hand_in(out, root), start, self.palm, time)
+            self._led.step(near, self._hand_in(out, root), (start, end), time, ahead)
         others = [prism for prism in near if not prism.sought]  # an elbow comes close to what the hand takes
-        wanted = self._led.at(start, self.palm, time)
+        wanted = self._led.at(start, end, time)
         wanted = np.concatenate([wanted[:3] + left * (start - wanted)[:3], slerp(wanted[3:], start[3:], left)])
         palm = self._tracking.step(wanted, spine, time, others, self._stretched(time))
+        self.behind = float(np.linalg.norm(palm[:3] - wanted[:3]))
         hand = self._hand_in(rotations, root) if near else None
         links, palm = self._evading.step(near, hand, self._tracking.links, (palm, self.palm), spine)
         self.short = float(np.linalg.norm(palm[:3] - self.palm[:3]))

@@ -27,9 +27,9 @@ _FASTEST, _GAINS = np.radians(6.0), np.radians(1.2)  # of a joint in a frame, an
 # At first what is shown still catches up with this, from what the arm did before: a joint turns by so much less until
 # the one share of the time, and as usual from the other on.
 _AT_FIRST, _UNTIL, _USUAL = np.radians(1.6), 0.3, 0.5
-_NEARLY, _FULLY = 0.88, 0.97  # of the arm's length, on the way: from where on it is spared, and what it never is
+_NEARLY, _FULLY = 0.82, 0.92  # of the arm's length, on the way: from where on it is spared, and what it never is
 _AT_END, _STIFF = 0.985, 0.9995  # the same at either end, where it may be stretched as it must
-_BEGINS, _ENDS = 0.5, 0.5  # of the time, in which the one becomes the other
+_BEGINS, _ENDS = 0.5, 0.1  # of the time, in which the one becomes the other
 _BRAKES = 5.0  # frames, by which a hand that goes on as it does stays before its limits
 _ROUNDS = 3  # of finding the wrist's place for a hand that isn't turned as asked
 _SWINGS = np.radians(np.linspace(-70.0, 70.0, 57))  # of the elbow, that are tried

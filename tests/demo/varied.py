@@ -14,7 +14,8 @@ CHAIR = "room/chair"
 WIDER = 1.25  # times as wide as the room's cup: 90 mm
 TABLE, ON_TABLE = (0.77, 0.2), (-0.35, -0.35)
 TABLE_TURNED = {"table turned": 40, "table turned less": 20}  # degrees
-VARIATIONS = ("chair moved", "chair turned", *TABLE_TURNED, "wider cup", "starts elsewhere", "aiko")
+AIKO = "aiko, table turned"
+VARIATIONS = ("chair moved", "chair turned", *TABLE_TURNED, "wider cup", "starts elsewhere", "aiko", AIKO)
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,8 @@ def varied(name: str, folder: Path) -> Varied:
         where = "1.98 0.7 0 facing 150" if name == "chair turned" else "2.13 0.45 0 facing 180"
         text = after_room(text, "remove room/chair", f"add chair at {where}")
         change = replace(change, chair="chair")
-    elif name in TABLE_TURNED:
-        turned = TABLE_TURNED[name]
+    elif name in TABLE_TURNED or name == AIKO:
+        turned = TABLE_TURNED.get(name, 40)
         turn = math.radians(turned)
         x = TABLE[0] + math.cos(turn) * ON_TABLE[0] - math.sin(turn) * ON_TABLE[1]
         y = TABLE[1] + math.sin(turn) * ON_TABLE[0] + math.cos(turn) * ON_TABLE[1]
@@ -50,7 +51,7 @@ def varied(name: str, folder: Path) -> Varied:
         change = replace(change, workspace=with_wider_cup(folder / "workspace", WIDER))
     elif name == "starts elsewhere":
         text = re.sub(r"at \S+ \S+ facing \S+\nwait", "at -1.2 1.8 facing 30\nwait", text)
-    else:
+    if name.startswith("aiko"):
         text = text.replace("human ken body ken", "human aiko body aiko")
         change = replace(change, human="aiko")
     change.script.write_text(text)

@@ -23,6 +23,7 @@ from ahmss.reaching.skin import hand_skin
 HUMAN = Skeleton.of(1.7)
 ROTATIONS, ROOT = HUMAN.relaxed()
 FRAMES, ON = 90, np.array([0.006, 0.0, 0.0])  # metres a frame
+STAYS = np.zeros(3)
 ROW = {"right": 0, "left": 1}
 SIGN = {"right": -1.0, "left": 1.0}  # to the left
 RADIUS, HEIGHT, BEFORE = 0.036, 0.095, 0.066  # of a cup, and how far from its axis the palm stops
@@ -76,10 +77,41 @@ def test_it_comes_round_the_thing_to_its_place(side: str) -> None:
 
 def test_nothing_changes_where_the_way_is_clear() -> None:
     led, turn = Led(), inward("left")
-    start, palm = np.array([0.0, 0.6, 0.0, *turn]), np.array([0.4, 0.1, 0.2, *turn])
+    start, palm = np.array([0.0, 0.3, 0.1, *turn]), np.array([0.2, 0.1, 0.2, *turn])
     for _ in range(30):
-        led.step([cup_at(np.array([3.0, 0.0, 0.2]))], (np.zeros((1, 3)), np.array([0.01])), start, palm, 0.3)
+        led.step([cup_at(np.array([3.0, 0.0, 0.2]))], (np.zeros((1, 3)), np.array([0.01])), (start, palm), 0.3, STAYS)
     assert led.at(start, palm, 0.7) == pytest.approx(lifted(start, palm, 0.14, 0.1).at(np.array([0.7]))[0])
+
+
+def table(edge: float) -> Prism:
+    """Half a metre high, from an edge across the way on."""
+    return Prism(np.array([[edge, -1.0], [edge + 2.0, -1.0], [edge + 2.0, 1.0], [edge, 1.0]]), 0.0, 0.5)
+
+
+def first_way(near: Prism, ahead: Array) -> Array:
+    """Palms (50, 3) on the way that a hand takes which hangs half a metre beside a table and goes 0.8 m over it."""
+    led, turn = Led(), inward("left")
+    palms = np.array([0.0, 0.0, 0.3, *turn]), np.array([0.8, 0.0, 0.65, *turn])
+    led.step([near], (np.zeros((1, 3)), np.array([0.04])), palms, 0.01, ahead)
+    return np.stack([led.at(*palms, time)[:3] for time in np.linspace(0.01, 1.0, 50)])
+
+
+def test_it_sets_out_as_high_as_it_must() -> None:
+    far, near = first_way(table(5.0), STAYS), first_way(table(0.25), STAYS)
+    over = near[:, 0] > 0.25
+    assert (far[far[:, 0] > 0.25, 2]).min() < 0.54  # else it would be over the table without
+    assert near[over, 2].min() > 0.54
+
+
+def test_it_is_higher_where_the_body_comes_on() -> None:
+    stays, comes = (first_way(table(0.3), on) for on in (STAYS, np.array([0.6, 0.0, 0.0])))
+    assert (comes - stays)[:, 2].max() > 0.05
+
+
+def test_it_rises_before_it_goes_far() -> None:
+    way = first_way(table(5.0), STAYS)
+    risen = way[:, 2] > 0.4
+    assert way[risen, 0][0] < 0.2
 
 
 def test_it_is_led_out_along_the_palm_softly_and_comes_back() -> None:
@@ -91,7 +123,7 @@ def test_it_is_led_out_along_the_palm_softly_and_comes_back() -> None:
     hand = np.linspace(0.0, -0.15, 12)[:, None] * np.array([0.0, 1.0, 0.0]), np.full(12, 0.01)
     led, ways = Led(), list[float]()
     for near in [[cup_at(BEFORE * ahead)]] * 40 + [[cup_at(3.0 * ahead)]] * 300:
-        led.step(near, hand, start, palm, 0.3)
+        led.step(near, hand, (start, palm), 0.3, STAYS)
         ways.append(float((led.at(start, palm, 0.7)[:3]) @ ahead))
     out = np.array(ways) - ways[-1]
     assert out.min() < -0.02  # away from the cup

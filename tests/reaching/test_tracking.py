@@ -100,7 +100,7 @@ def test_a_turn_that_the_joints_forbid_is_left_out_and_the_place_is_kept(side: s
 @pytest.mark.parametrize("side", MIRRORED)
 def test_what_is_too_far_away_is_stretched_for_and_stiffly_only_at_the_ends(side: str) -> None:
     arm = Arm(side)
-    for time, least, most in ((0.0, 0.99, 0.9996), (0.5, 0.96, 0.9701), (1.0, 0.99, 0.9996)):
+    for time, least, most in ((0.0, 0.99, 0.9996), (0.5, 0.91, 0.9201), (1.0, 0.99, 0.9996)):
         palm = arm.easy(1.2, 0.0)
         had = arm.go(palm, 150, time)
         wrist, _ = arm.reacher.hand(had)
