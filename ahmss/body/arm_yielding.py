@@ -43,8 +43,8 @@ def yielding(arm: Arm, wrist: Wrist, present: Array, step: float, softly: int = 
     """
     swing = swing_of(arm, wrist, carried_sides(arm, wrist.place, present))
     measures, limits = swing.measures(), begun_at(limits_of(arm), present, np.arange(float(len(wrist.place))))
-    phi = _begun(_smooth(_chosen(measures, limits, step), len(swing.bend)), softly)
-    phi = _ended(phi, measures, limits)
+    phi = _ended(_smooth(_chosen(measures, limits, step), len(swing.bend)), measures, limits)
+    phi = _begun(phi, softly)
     links = swing.links(phi)
     angles, hand = hand_angles(links), limits[:, HAND]
     within: Any = ((angles >= hand[..., 0] - _ROUNDING) & (angles <= hand[..., 1] + _ROUNDING)).all(axis=-1)

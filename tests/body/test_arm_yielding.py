@@ -85,3 +85,11 @@ def test_an_elbow_begins_softly_where_that_is_asked(jumping):
         assert steps(eased, before)[:, 0].max() < np.radians(10.0)
         assert same(wrist_of(KEN, eased.links).rotation[-1], wrist.rotation[-1])
     assert soft < 0.5 * hard
+
+
+@pytest.mark.parametrize("which", [9, 33, 50])
+def test_an_elbow_begins_softly_that_has_far_to_go_to_where_the_last_frame_allows_it(which: int) -> None:
+    links = random_links(np.random.default_rng(2), KEN, 400)
+    before, wrist = links[which], path(links[which], links[200 + which], 120)
+    assert steps(yielding(KEN, wrist, before, GRACE), before)[0, 0] > np.radians(0.7)
+    assert steps(yielding(KEN, wrist, before, GRACE, 10), before)[0, 0] < np.radians(0.2)
