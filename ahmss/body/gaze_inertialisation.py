@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.inertialisation import Rotations, Rows
+from ahmss.body.inertialisation import FARTHER, Rotations, Rows
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply, to_rotation_vector
 
@@ -17,9 +17,9 @@ __all__ = ["TURNED", "GazeInertialiser"]
 
 TURNED = [INDEX["spine"], INDEX["head"]]
 _FASTEST = np.radians(200.0)  # a second, by which a difference decays: 3.3 degrees a frame at 60 Hz
-_STOP = 0.2  # seconds in which a turn comes to rest that nobody goes on with
-_SAME = np.radians(0.5)  # by which what turns them may differ from what did to be the same
-_FARTHER = 0.4  # of those at the present velocity: with it the quintics of offset and velocity never turn back
+_STOP = 0.2  # seconds in which a turn comes to rest that is not gone on with
+_SECONDS = 0.6  # how long what it went on until then takes to go back: at a quarter of the turn's speed at the most
+_SAME = np.radians(0.05)  # by which what turns them may differ from what did to be the same: an arm hangs on the spine
 
 
 class GazeInertialiser:
@@ -27,7 +27,7 @@ class GazeInertialiser:
 
     def __init__(self, rate: float) -> None:
         """Smooth at a rate, frames a second."""
-        self._turns = Rotations(2, rate, fastest=_FASTEST)
+        self._turns = Rotations(2, rate, _SECONDS, _FASTEST, _STOP)
         self._source: Array | None = None  # (2, 4), that came last
         self._stop = max(int(np.ceil(_STOP * rate)), 2)
 
@@ -45,24 +45,24 @@ class GazeInertialiser:
         """Tell the pose (43, 4) that came out."""
         self._turns.settle(rotations[TURNED])
 
-    def step(self, rotations: Array, switched: Rows, stopped: Rows) -> Array:
+    def step(self, rotations: Array, switched: Rows) -> Array:
         """The smoothed rotations (2, 4) of spine and head.
 
         Two motions that look at the same thing, one after the other, are one gaze: it goes on as it was.
 
         Args:
             rotations: (43, 4) with the gaze solved.
-            switched: (2,) what turns them is another from this frame on. stopped: (2,) nothing does: see `rest`.
+            switched: (2,) what turns them is another from this frame on, or nothing does: see `rest`.
         """
         source = rotations[TURNED]
         if self._source is not None and not self.settled:
             turned = to_rotation_vector(multiply(conjugate(self._source), source))
             switched = switched & (np.linalg.norm(turned, axis=-1) > _SAME)
-        out = self._turns.step(source, switched, np.where(stopped, self._stop, 0))
+        out = self._turns.step(source, switched)
         self._source = None if self.settled else source
         return out
 
     def rest(self, before: Array, present: Array) -> Array:
         """Where (2, 4) spine and head come to rest, a frame farther and then softly; of the last two poses (43, 4)."""
         turn = to_rotation_vector(multiply(conjugate(before[TURNED]), present[TURNED]))
-        return multiply(present[TURNED], from_rotation_vector((1.0 + _FARTHER * self._stop) * turn))
+        return multiply(present[TURNED], from_rotation_vector((1.0 + FARTHER * self._stop) * turn))

@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply
 
-__all__ = ["Channel", "Inertialiser", "Places", "Rotations"]
+__all__ = ["FARTHER", "Channel", "Inertialiser", "Places", "Rotations"]
+
+FARTHER = 0.4
+"""Of the frames of a stop at the present velocity, how many it goes on: less and less fast, and never back."""
 
 _SECONDS = 0.4  # how long a difference takes to decay
 _FASTEST = np.radians(318.0)  # a second, that a joint's difference decays at the most: 5.3 degrees in a frame at 60 Hz
@@ -23,7 +26,7 @@ _STEEPEST = 1.875  # of the quintic of an offset, as a share of the offset over 
 _DAMPING = 0.7  # of the velocity, a frame, where sources change so fast that the body carries on by itself for longer
 
 Rows = NDArray[np.bool_]
-Frames = NDArray[np.int_]
+Frames = NDArray[np.int_] | int
 
 
 class Channel(ABC):
@@ -33,13 +36,18 @@ class Channel(ABC):
     is known only with its second frame; from then on it is the source with a decaying offset.
     """
 
-    def __init__(self, rows: int, rate: float, seconds: float = _SECONDS, fastest: float = np.inf) -> None:
+    def __init__(
+        self, rows: int, rate: float, seconds: float = _SECONDS, fastest: float = np.inf, stop: float = 0.0
+    ) -> None:
         """Smooth some rows at a rate (frames a second) over some seconds, or longer.
 
         Args:
             rows: how many. rate: frames a second. seconds: in which a difference decays.
             fastest: metres or radians a second by which an offset decays at the most; a larger one takes longer.
+            stop: seconds in which a velocity that differs comes to rest, what it goes on until then being an offset
+                like another; 0: it decays as long as the offset, and goes back at up to half its speed.
         """
+        self._stop = max(int(np.ceil(stop * rate)), 2) if stop else 0
         self._frames = max(int(np.ceil(seconds * rate)), 2)
         self._fastest = fastest / rate
         self._decays = np.full(rows, self._frames)  # frames that the row's difference takes
@@ -65,13 +73,12 @@ class Channel(ABC):
         """Tell what this frame came out as in the end: the next present. Not copied, so not to be changed after."""
         self._before, self.present = self.present, values
 
-    def step(self, source: Array, switched: Rows, frames: Frames | None = None) -> Array:
+    def step(self, source: Array, switched: Rows) -> Array:
         """The smoothed values of this frame; the source itself while nothing decays.
 
         Args:
             source: (rows, 3 or 4) this frame's values.
             switched: (rows,) whose source is another one from this frame on.
-            frames: (rows,) that the difference of a row which switches takes to decay, if not 0 and not too fast.
         """
         if self.present is None:
             self.place(source)
@@ -84,8 +91,7 @@ class Channel(ABC):
         if self._waiting is not None:
             self._learn(source)
         if switched.any():
-            wanted = self._frames if frames is None else np.where(frames > 0, frames, self._frames)
-            self._decays = np.where(switched, wanted, self._decays)
+            self._decays = np.where(switched, self._frames, self._decays)
             return self._carry_on(source, switched)
         self._active = bool((self._frame < self._decays).any())
         return self._with_offset(source)
@@ -106,15 +112,18 @@ class Channel(ABC):
         first, output, following = self._waiting
         chosen = self._frame == 1
         offset, next_offset = self._two_differences((first, output), (source, following))
-        self._offset[chosen] = offset[chosen]
         self._speed[chosen] = (next_offset - offset)[chosen]
+        self._offset[chosen] = offset[chosen] + FARTHER * self._stop * self._speed[chosen]
         self._waiting = None
         if self._fastest < np.inf:
-            needed = np.ceil(_STEEPEST * np.linalg.norm(offset[chosen], axis=-1) / self._fastest)
+            needed = np.ceil(_STEEPEST * np.linalg.norm(self._offset[chosen], axis=-1) / self._fastest)
             self._decays[chosen] = np.maximum(needed, self._decays[chosen]).astype(int)
 
     def _with_offset(self, source: Array) -> Array:
         left, carried = _curves(self._frame, self._decays)
+        if self._stop:
+            to_go, carried = _curves(np.minimum(self._frame, self._stop), self._stop)
+            carried = carried - FARTHER * self._stop * to_go
         return self._add(source, left[:, None] * self._offset + carried[:, None] * self._speed)
 
     @abstractmethod
@@ -205,10 +214,10 @@ class Inertialiser:
 _SWITCHED, _UNSWITCHED = np.ones(1, bool), np.zeros(1, bool)
 
 
-def _curves(frame: Frames, frames: Frames) -> tuple[Array, Array]:
+def _curves(frame: NDArray[np.int_], frames: Frames) -> tuple[Array, Array]:
     """So many frames (rows,) after a change: what is left of an offset, and frames of a velocity that it was carried.
 
-    Both are quintics of no acceleration at the start and at rest at the end, after `frames` (rows,).
+    Both are quintics of no acceleration at the start and at rest at the end, after `frames` (rows,) or for all rows.
     """
     t = frame / frames
     return (1.0 - t) ** 3 * (1.0 + 3.0 * t + 6.0 * t**2), frames * t * (1.0 - t) ** 3 * (1.0 + 3.0 * t)

@@ -174,7 +174,7 @@ class Blending:
         """The pose (43, 4) whose spine and head, turned by the gaze, go on from where they are seen."""
         targets = np.where(_LOOKS, targets, 0.0)
         made = solve(self.skeleton, rotations, root, targets) if self._gazes else rotations.copy()
-        made[TURNED] = self._looking.step(made, switched, switched & ~self._owned[TURNED] & self._ceased)
+        made[TURNED] = self._looking.step(made, switched)
         return made
 
     def _follow(self, motion: Contribution) -> Array:

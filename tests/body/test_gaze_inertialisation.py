@@ -10,8 +10,9 @@ from ahmss.body.gaze_inertialisation import TURNED, GazeInertialiser
 from ahmss.body.inverse import GAZE, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
+from ahmss.body.quaternion import conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.easing import minimum_jerk
 
 RATE = 60.0
 SKELETON = Skeleton.of(1.7, "male")
@@ -34,7 +35,7 @@ def looked(*places: tuple[Array, int]) -> Array:
         for k in range(count):
             switched = np.full(2, k == 0)
             out = solve(SKELETON, source, root, targets)
-            out[TURNED] = inertialiser.step(out, switched, switched & (not looks))
+            out[TURNED] = inertialiser.step(out, switched)
             inertialiser.settle(out)
             shown.append(out)
     return np.array(shown[1:])
@@ -107,3 +108,44 @@ def test_one_who_looks_here_and_there_too_soon_is_not_fast(cut: int) -> None:
     out = looked((LEFT, 60), (RIGHT, cut), (LEFT, cut), (RIGHT, cut), (CUP, 60))
     assert fastest(out) < 5.0
     assert pop(out) < 1.0
+
+
+@pytest.mark.parametrize("cut", [8, 11, 14])
+def test_a_head_on_its_way_that_is_to_turn_back_is_little_faster_than_its_gazes(cut: int) -> None:
+    """Each gaze begins where the last one was cut, at rest: what the head still went on then adds a quarter at most."""
+    frames, degrees = 30, 4.0 * 30 / 1.875  # at most 4 degrees a frame
+    pose, _ = SKELETON.upright()
+    inertialiser, shown = GazeInertialiser(RATE), [pose, pose]
+    inertialiser.place(pose)
+    for way in (1.0, -1.0, 1.0, -1.0):
+        begun = shown[-1][HEAD]
+        for k in range(cut if way > 0.0 else frames):
+            out = pose.copy()
+            turn = np.radians([way * degrees * minimum_jerk((k + 1) / frames), 0.0, 0.0])
+            out[HEAD] = multiply(begun, from_rotation_vector(turn))
+            out[TURNED] = inertialiser.step(out, np.full(2, k == 0))
+            inertialiser.settle(out)
+            shown.append(out)
+    speed = np.diff(yaw(np.array(shown[1:])))
+    assert speed.max() > 1.5, "on its way"
+    assert 4.0 < -speed.min() < 4.0 / (1.0 - 0.25)
+    assert pop(np.array(shown[1:])) < 1.0
+
+
+def test_a_spine_that_another_holds_a_little_turned_does_not_leap_there() -> None:
+    """A stretched arm that hangs on it would turn its elbow by many times as much."""
+    pose, _ = SKELETON.upright()
+    inertialiser, shown = GazeInertialiser(RATE), [pose, pose]
+    inertialiser.place(pose)
+    spine = TURNED[0]
+    for k in range(80):
+        out = pose.copy()
+        out[HEAD] = from_rotation_vector(np.radians([20.0, 0.0, 0.0]))
+        if k >= 10:
+            out[spine] = multiply(out[spine], from_rotation_vector(np.radians([0.3, 0.0, 0.0])))
+        out[TURNED] = inertialiser.step(out, np.full(2, k in (0, 10)))
+        inertialiser.settle(out)
+        shown.append(out)
+    turned = np.degrees(to_rotation_vector(multiply(conjugate(pose[spine]), np.array(shown)[:, spine])))[:, 0]
+    assert turned[-1] == pytest.approx(0.3)
+    assert np.diff(turned).max() < 0.04
