@@ -148,16 +148,20 @@ def stood_before(
     return (yield from gone_to(task, there, gaze))
 
 
-def gone_to(task: HumanTask, stand: goals.Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+def gone_to(
+    task: HumanTask, stand: goals.Goal, gaze: Looking, to: str = ""
+) -> Generator[Array, None, tuple[HumanTask, Looking]]:
     """The task from where one uses its control, after steps (n, 260) to there, the eyes on it while it is ahead.
+
+    Args:
+        task: whose control. stand: where. gaze: on its way. to: what one steps to; left out: the task's object.
 
     Raises:
         AlgorithmError: it is too far, or nobody gets there.
     """
     assert task.object is not None
-    steps = stepped(
-        task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=task.object.name, arms=Tucking(task, first=0)
-    )
+    to, arms = to or task.object.name, Tucking(task, first=0)
+    steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=to, arms=arms)
     rotations = task.start.rotations.copy()
     watching = Sighting(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
     while True:

@@ -35,7 +35,12 @@ _A_METRE, _BETWEEN = 0.3, 5.0  # what it costs to go farther, and that a thing i
 
 
 def gone_nearer(
-    task: HumanTask, place: Array, goal: Callable[[float], Goal], gaze: Looking, prisms: Sequence[Prism]
+    task: HumanTask,
+    place: Array,
+    goal: Callable[[float], Goal],
+    gaze: Looking,
+    prisms: Sequence[Prism],
+    most: float = MOST_MISSING,
 ) -> Generator[Array, None, tuple[HumanTask, Looking]]:
     """The task from where a hand comes to a place (3,), after steps (n, 260) to there, the eyes on it if it is ahead.
 
@@ -43,16 +48,19 @@ def gone_nearer(
         task: with a walk library; whose hand it is.
         goal: the hand's goal there, for who faces so many radians.
         gaze: where it is on its way. prisms: what may be in the hand's way.
+        most: metres that the arm may be too short for it there.
 
     Raises:
         AlgorithmError: nobody can stand where it is in reach, or gets there.
     """
-    stand = yield from gaze.during(_best(task, place, goal, prisms))
+    stand = yield from gaze.during(_best(task, place, goal, prisms, most))
     task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where the arm comes there")
-    return (yield from gone_to(task, stand, gaze))
+    return (yield from gone_to(task, stand, gaze, "that place"))
 
 
-def _best(task: HumanTask, place: Array, goal: Callable[[float], Goal], prisms: Sequence[Prism]) -> Steps[goals.Goal]:
+def _best(
+    task: HumanTask, place: Array, goal: Callable[[float], Goal], prisms: Sequence[Prism], most: float
+) -> Steps[goals.Goal]:
     """Where one stands: of the near places the first from which it is easy, else the easiest."""
     best: tuple[float, goals.Goal, Stretch] | None = None
     for stand in _stands(task, place)[:_LOOKED_AT]:
@@ -72,7 +80,7 @@ def _best(task: HumanTask, place: Array, goal: Callable[[float], Goal], prisms: 
     wanted, leaning = goal(stand.facing), stance_at(task, stand)
     reacher = yield from leaning.better_side(wanted, [side for side in SIDES if side in wanted.palms])
     _, _, arm = yield from leaning.posture(reacher, wanted, prisms)
-    if arm.missing > MOST_MISSING:
+    if arm.missing > most:
         raise AlgorithmError(
             f"{x:.2f} {y:.2f} {z:.2f} is out of reach: the arm is {arm.missing:.2f} m too short, even from where "
             f"one stands nearest to it, at {stand.place[0]:.2f} {stand.place[1]:.2f}; say a place nearer to an edge"

@@ -114,6 +114,7 @@ def planned(
     prisms: Sequence[Prism],
     off: Array | None = None,
     sides: Sequence[str] = (),
+    most: float = MOST_MISSING,
 ) -> Generator[Array, None, Plan]:
     """The plan of a reach, made a part in each of a few frames (1, 260) in which only the gaze moves.
 
@@ -122,6 +123,7 @@ def planned(
         prisms: what may be in the way.
         off: (3,) metres by which the hand is first brought elsewhere, on its way to the goal.
         sides: the hands that may be used; left out: all that `sides_of` has.
+        most: metres that the arm may be too short for it.
 
     Raises:
         AlgorithmError: it is out of reach; says by how much.
@@ -131,7 +133,7 @@ def planned(
     reacher = yield from gaze.during(reaching.better_side(goal, sides, prisms))
     yield from gaze.if_there_is_time()
     posture, palm, arm = yield from gaze.during(reaching.posture(reacher, goal, prisms))
-    refuse_far(reacher.side, arm)
+    refuse_far(reacher.side, arm, most)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])
     yield from gaze.if_there_is_time()
@@ -172,16 +174,16 @@ def performed(
         plan = made.plan
 
 
-def refuse_far(side: str, arm: Stretch) -> None:
+def refuse_far(side: str, arm: Stretch, most: float = MOST_MISSING) -> None:
     """Refuse what is out of reach rather than stretch for it in the air.
 
     Raises:
         AlgorithmError: says by how much.
     """
-    if arm.missing > MOST_MISSING and arm.folded:
+    if arm.missing > most and arm.folded:
         by = f"{arm.missing:.2f} m"
         raise AlgorithmError(f"that is {by} nearer to the {side} shoulder than its elbow bends; use the other hand")
-    if arm.missing > MOST_MISSING:
+    if arm.missing > most:
         raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; stand nearer to it")
 
 

@@ -10,6 +10,7 @@ contains it, as a cradle.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -31,6 +32,8 @@ from ahmss.reaching.reacher import heading_of
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
+MOST_OFF, MOST_ASKEW = 0.005, 3.0  # metres and degrees by which it may come down beside its place
+TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -43,16 +46,58 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("stand still to lay it down; walk there first")
     held = task.start.grip(task.hand).inverse().then(task.object.frame).inverse()
     gaze = Looking(task, _rests(task, 0.0, TURNS).place[0])
-    found = yield from _planned(task, held, gaze)
-    if isinstance(found, AlgorithmError):  # not from here
-        if task.library is None:
-            raise found
+    laid = yield from _laid(task, held, gaze)
+    if (isinstance(laid, AlgorithmError) or laid.poor) and task.library is not None:
         goal = partial(_goal, task, held, turns=ANYHOW)
-        task, gaze = yield from gone_nearer(task, gaze.place, goal, gaze, prisms_of(task))
-        found = yield from _planned(task, held, gaze)
-    if isinstance(found, AlgorithmError):
-        raise found
-    reaching, plan = found
+        try:
+            task, gaze = yield from gone_nearer(task, gaze.place, goal, gaze, prisms_of(task), MOST_OFF)
+        except AlgorithmError as error:
+            laid = error if isinstance(laid, AlgorithmError) else laid  # nowhere is better than here
+        else:
+            laid = yield from _laid(task, held, gaze)
+            if isinstance(laid, AlgorithmError):
+                why = str(laid).partition(";")[0]
+                raise AlgorithmError(f"{why}, even from where one stands nearest to it; say a place that is easier")
+    if isinstance(laid, AlgorithmError):
+        raise laid
+    yield at_ease(task, laid.rows)
+
+
+@dataclass(frozen=True)
+class Laid:
+    """POSE rows (n, 260) of it; poor: whether the arm is bent through things on its way, or beyond its limits."""
+
+    rows: Array
+    poor: bool
+
+
+def _laid(task: HumanTask, held: Transform, gaze: Looking) -> Generator[Array, None, Laid | AlgorithmError]:
+    """It laid down from here, as it lies best, else turned as the hand that has it can; or why that can't be."""
+    assert task.object is not None
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    named = task.object.sites.get(task.message.site)
+    is_round = named is not None and named.free_axis == "z"
+    found: Laid | AlgorithmError | None = None
+    for turns in (ANYHOW,) if is_round else (TURNS, ANYHOW):
+        goal = _goal(task, held, heading_of(task.start.rotations, task.start.root), turns)
+        try:
+            plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP, most=MOST_OFF)
+            found = yield from _performed(task, reaching, plan, gaze)
+        except AlgorithmError as error:
+            found = error
+            continue
+        break
+    assert found is not None
+    return found
+
+
+def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -> Generator[Array, None, Laid]:
+    """The frames of a plan, and of what follows it.
+
+    Raises:
+        AlgorithmError: as the arm is, it would not come to its place, or not lie there upright; says by how much.
+    """
+    assert task.object is not None
     palm = np.concatenate([plan.palm[:3] - OVER * UP, plan.palm[3:]])
     links = list(fingers(task.hand))
     shape = task.start.rotations[links]
@@ -60,26 +105,16 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     made = yield from performed(task, reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(shape, opened(task.hand, shape[:2]), open_by[:, None])
-    yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
-
-
-def _planned(
-    task: HumanTask, held: Transform, gaze: Looking
-) -> Generator[Array, None, tuple[Reaching, Plan] | AlgorithmError]:
-    """The plan of a reach to over the place, as it lies best, else turned as the hand that has it can; or why not."""
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    refused: AlgorithmError | None = None
-    assert task.object is not None
-    named = task.object.sites.get(task.message.site)
-    is_round = named is not None and named.free_axis == "z"
-    for turns in (ANYHOW,) if is_round else (TURNS, ANYHOW):
-        goal = _goal(task, held, heading_of(task.start.rotations, task.start.root), turns)
-        try:
-            return reaching, (yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP))
-        except AlgorithmError as error:
-            refused = error
-    assert refused is not None
-    return refused
+    down = length + int(np.flatnonzero(open_by <= 0.0)[-1])
+    there = made.targets[down, plan.reacher.row]
+    off = float(np.linalg.norm(there[:3] - palm[:3]))
+    askew = float(np.degrees(2.0 * np.arccos(min(1.0, abs(float(there[3:7] @ palm[3:]))))))
+    if off > MOST_OFF or askew > MOST_ASKEW:
+        raise AlgorithmError(
+            f"from here {task.object.name} would come down {1000.0 * off:.0f} mm beside its "
+            f"place and {askew:.0f} degrees askew, as far as the {task.hand} arm goes; say a place that is easier"
+        )
+    return Laid(task.block(made.rotations, made.root, made.importance, made.targets), made.flaw > TOUCHES)
 
 
 def _goal(task: HumanTask, held: Transform, facing: float, turns: Array) -> Goal:

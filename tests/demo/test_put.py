@@ -34,6 +34,16 @@ do cup release
 do floor stand
 wait 0.2
 """
+BESIDE = """
+add floor
+add table at 0.77 0.2
+add cup at 0.42 -0.15 0.88
+human ken body ken at -0.05 -0.15 facing 0
+do cup grasp
+do cup lift
+do cup put to {place}
+wait 0.3
+"""
 TOP = 0.88  # metres
 
 
@@ -86,3 +96,30 @@ def test_nothing_of_the_human_is_in_the_table(played: Played) -> None:
 def test_no_joint_pops(played: Played) -> None:
     pop = worst_pop(played.shown.rotations)
     assert pop.degrees < 5.0, pop
+
+
+def said(folder: Path, place: str) -> tuple[Recorded, list[Met], list[str]]:
+    """What is recorded of a cup that is put somewhere from beside a table, what skin is in, and what was told."""
+    (folder / "put.txt").write_text(BESIDE.format(place=place))
+    report = play_script(folder / "put.txt", PlaySetup(workspace=str(ROOT), fast=True, record=folder / "r.rec"))
+    told = [line for main in report.mains for line in main["messages"]]
+    return Recorded.read(folder / "r.rec", "ken", ("cup",)), met(folder / "r.rec", "ken", ROOT, 4), told
+
+
+def test_who_would_have_to_stretch_for_a_place_steps_to_it(tmp_path: Path) -> None:
+    shown, skin, told = said(tmp_path, "0.9 -0.15")
+    assert told == []
+    assert np.linalg.norm(shown.root[-1, :2] - shown.root[0, :2]) > 0.5
+    np.testing.assert_allclose(shown.objects["cup"][-1, :3], [0.9, -0.15, TOP], atol=2e-3)
+    assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004
+
+
+def test_a_place_to_which_no_arm_brings_it_upright_is_refused_and_it_stays_in_the_hand(tmp_path: Path) -> None:
+    shown, _, told = said(tmp_path, "-0.6 0.6")
+    (line,) = told
+    assert "cup put" in line
+    assert "say a place" in line
+    assert "stand up" not in line
+    up = rotate(shown.objects["cup"][:, 3:], np.array([0.0, 0.0, 1.0]))[:, 2]
+    assert up.min() > 0.85
+    assert shown.holders["cup"][-1] == "ken"
