@@ -18,7 +18,7 @@ __all__ = ["TURNED", "GazeInertialiser"]
 TURNED = [INDEX["spine"], INDEX["head"]]
 _FASTEST = np.radians(200.0)  # a second, by which a difference decays: 3.3 degrees a frame at 60 Hz
 _STOP = 0.2  # seconds in which a turn comes to rest that is not gone on with
-_SECONDS = 0.6  # how long what it went on until then takes to go back: at a quarter of the turn's speed at the most
+_SECONDS = 0.5  # how long what it went on until then takes to go back: at 0.3 of the turn's speed at the most
 _SAME = np.radians(0.05)  # by which what turns them may differ from what did to be the same: an arm hangs on the spine
 
 
