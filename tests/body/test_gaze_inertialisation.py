@@ -112,7 +112,7 @@ def test_one_who_looks_here_and_there_too_soon_is_not_fast(cut: int) -> None:
 
 @pytest.mark.parametrize("cut", [8, 11, 14])
 def test_a_head_on_its_way_that_is_to_turn_back_is_little_faster_than_its_gazes(cut: int) -> None:
-    """Each gaze begins where the last one was cut, at rest: what the head still went on then adds three tenths at most."""
+    """Each gaze begins where the last was cut, at rest: what the head still went on then adds three tenths at most."""
     frames, degrees = 30, 4.0 * 30 / 1.875  # at most 4 degrees a frame
     pose, _ = SKELETON.upright()
     inertialiser, shown = GazeInertialiser(RATE), [pose, pose]
