@@ -37,7 +37,7 @@ _COMES, _MOVES, _STRAY = 60, 0.02, 0.1  # frames, radians, radians: what sets ou
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _RESTS = 1e-6  # by so little the arms of who stands go on: they have come to where they stay
 _NONE = 1e-4  # so little an arm is not drawn in any more
-_SUNK = 0.02  # metres that a bone may be lower than a top on which its skin is
+_SUNK, _LOW = 0.02, 0.3  # metres under a top on which its skin is, and over it, that a hand may be which is let down
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
 _STATURE = 1.72
@@ -74,7 +74,7 @@ class Tucking:
             self._level[side][:], self._wanted[side] = 1.0, True
 
     def _over_something(self) -> list[str]:
-        """The arms whose hand is over a thing as one sets out, a table, say: let down at once it would go through."""
+        """The arms whose hand is just over a thing as one sets out, a table, say: let down at once it would go through."""
         start, found = self._task.start, list[str]()
         near = _about(self._prisms, start.root[None])
         if not near:
@@ -82,8 +82,11 @@ class Tucking:
         places, turned = forward(start.rotations[None], start.root[None], self._skeleton.offsets)
         for side in self._sides:
             points = _points(self._skeleton, places, turned, side)[0]
-            if any(bool((prism.over(points) & (points[:, 2] > prism.high - _SUNK)).any()) for prism in near):
-                found.append(side)
+            for prism in near:
+                over = points[prism.over(points), 2]
+                if len(over) and -_SUNK < over.min() - prism.high < _LOW:
+                    found.append(side)
+                    break
         return found
 
     def _already(self) -> list[str]:

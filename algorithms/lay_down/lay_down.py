@@ -26,13 +26,17 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
+from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import heading_of
+from ahmss.reaching.skin import skin_of
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
 MOST_OFF, MOST_ASKEW = 0.005, 3.0  # metres and degrees by which it may come down beside its place
+EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 UP = np.array([0.0, 0.0, 1.0])
@@ -65,7 +69,7 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
 
 @dataclass(frozen=True)
 class Laid:
-    """POSE rows (n, 260) of it; poor: whether the arm is bent through things on its way, or beyond its limits."""
+    """POSE rows (n, 260) of it; poor: whether the arm is in things on its way or at its end, or beyond its limits."""
 
     rows: Array
     poor: bool
@@ -114,7 +118,17 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
             f"from here {task.object.name} would come down {1000.0 * off:.0f} mm beside its "
             f"place and {askew:.0f} degrees askew, as far as the {task.hand} arm goes; say a place that is easier"
         )
-    return Laid(task.block(made.rotations, made.root, made.importance, made.targets), made.flaw > TOUCHES)
+    poor = made.flaw > TOUCHES or _depth(task, made) > DEEP
+    return Laid(task.block(made.rotations, made.root, made.importance, made.targets), poor)
+
+
+def _depth(task: HumanTask, made: Performed) -> float:
+    """Metres by which forearm or hand are in things at some frame, the last ones too."""
+    points, radii = skin_of(made.plan.reacher, made.rotations[::EVERY], made.root[::EVERY])
+    far = float(radii.max())
+    low, high = points.min(axis=(0, 1)) - far, points.max(axis=(0, 1)) + far
+    near = [prism for prism in prisms_of(task) if not prism.sought and prism.meets(low, high)]
+    return float((radii - clearance(near, points, far)).max()) if near else 0.0
 
 
 def _goal(task: HumanTask, held: Transform, facing: float, turns: Array) -> Goal:

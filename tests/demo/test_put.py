@@ -44,6 +44,17 @@ do cup lift
 do cup put to {place}
 wait 0.3
 """
+LOW = """
+add table at 0 0 0 facing 110.9
+add cup at 0.2382 -0.3101 0.88
+add floor
+human ken body ken at 0.399 -0.730 facing 110.9
+do cup grasp
+do cup lift
+do cup put to 0.088 0.082
+do cup release
+wait 0.2
+"""
 TOP = 0.88  # metres
 
 
@@ -129,4 +140,15 @@ def test_a_hand_that_has_let_go_over_a_table_is_not_let_down_through_it_as_one_w
     shown, skin, told = said(tmp_path, "0.62 -0.2", "do cup release\ndo floor walk to -0.8 0.9\n")
     assert told == []
     assert shown.root[-1, 0] < -0.7
+    assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004, skin[0]
+
+
+def test_where_the_elbow_would_be_in_the_table_one_steps_nearer(tmp_path: Path) -> None:
+    """The hand would come there: 0.61 m before the shoulder, trunk and arm bent down to the board."""
+    (tmp_path / "put.txt").write_text(LOW)
+    setup = PlaySetup(workspace=str(ROOT), fast=True, record=tmp_path / "r.rec")
+    assert play_script(tmp_path / "put.txt", setup).failures == 0
+    shown = Recorded.read(tmp_path / "r.rec", "ken", ("cup",))
+    np.testing.assert_allclose(shown.objects["cup"][-1, :3], [0.088, 0.082, TOP], atol=2e-3)
+    skin = met(tmp_path / "r.rec", "ken", ROOT, 2)
     assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004, skin[0]
