@@ -74,7 +74,7 @@ class Tucking:
             self._level[side][:], self._wanted[side] = 1.0, True
 
     def _over_something(self) -> list[str]:
-        """The arms whose hand is just over a thing as one sets out, a table, say: let down at once it would go through."""
+        """The arms whose hand is just over a thing as one sets out, a table, say: let down at once it goes through."""
         start, found = self._task.start, list[str]()
         near = _about(self._prisms, start.root[None])
         if not near:
