@@ -142,8 +142,9 @@ class Database:
         found: list[Order] = []
         for act in acts:
             order = self.order(act, scene, actor)
-            first = order.affordance.first
-            if first and not act.follows and _away(order.hand, scene.pose(order.object)[None, :3], actor) > _REACHED:
+            first, record = order.affordance.first, scene.objects[order.object]
+            at = _places(self.workspace.objects.get(record.kind), order.affordance, scene.pose(order.object))
+            if first and not act.follows and _away(order.hand, at, actor) > _REACHED:
                 found.append(self.order(Act(order.object, first, after=act.after, hand=act.hand), scene, actor))
                 order = replace(order, act=replace(act, after=0, follows=True), after=0)
             found.append(order)
