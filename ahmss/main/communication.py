@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 from collections import ChainMap
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 import numpy as np
@@ -19,8 +19,9 @@ from ahmss.database.shape import Shape
 from ahmss.database.workspace import Workspace
 from ahmss.errors import Unreachable, WorldError
 from ahmss.main import people
+from ahmss.main.body_parts import Body
 from ahmss.main.command import Add
-from ahmss.main.company import Body, Everything, Humans, place_of
+from ahmss.main.company import Everything, Humans, place_of
 from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
@@ -104,6 +105,18 @@ class Communication:
         if own:
             return own[1]
         return self.world.pose(name) if name in self.world.objects else place_of(self.world, name)
+
+    def bodies(self, names: Iterable[str]) -> Iterator[tuple[int, Body]]:
+        """The world's number and the body of each of these humans that is there, and that no object hides.
+
+        Raises:
+            WorldError: the server has no such skeleton, or does not answer.
+        """
+        there = set(self.world.human_ids.tolist())
+        for name in names:
+            record = self.world.humans.get(name)
+            if record is not None and record.id in there and name not in self.world.objects:
+                yield record.id, self.body(name)
 
     def body(self, name: str) -> Body:
         """A human of the world, as it is shown now. Asks the server for its skeleton where it is met first.

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips
-from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX
-from ahmss.body.quaternion import multiply, rotate
-from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import Site
 from ahmss.database.workspace import Workspace
+from ahmss.main.body_parts import Body, parts
 from ahmss.motion.edit import floor_frame
 from ahmss.world.schema import ObjectRecord
 from ahmss.world.view import World
@@ -24,13 +19,12 @@ from ahmss.world.view import World
 __all__ = [
     "HOLDS",
     "KIND",
-    "Body",
     "Everything",
     "Humans",
     "beside",
     "met",
+    "moving_sites",
     "numbers",
-    "parts",
     "place_of",
     "rows_of_sites",
     "site_number",
@@ -44,31 +38,14 @@ HOLDS = "holds"
 
 _SITES = 1 << 40  # beyond all ids of objects, which have 32 bits; a float64 holds it
 _MOST_SITES = 64
-_PALMS = ("right_palm", "left_palm")
-_EYES = "eyes"
-_UP_IN_LINK = np.array([np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0])  # turns x ahead and z up where a link has x up, -z ahead
 
 
 class _Scene(Protocol):
     """What of a scene is asked here."""
 
-    @property
-    def objects(self) -> Mapping[str, ObjectRecord]:
-        """Records by name."""
+    def bodies(self, names: Iterable[str]) -> Iterable[tuple[int, Body]]:
+        """The world's numbers and the bodies of those humans that are there."""
         ...
-
-    def body(self, name: str) -> Body:
-        """A human's body."""
-        ...
-
-
-@dataclass(frozen=True)
-class Body:
-    """A human's body: its skeleton, rotations (43, 4) and root (3,)."""
-
-    skeleton: Skeleton
-    rotations: Array
-    root: Array
 
 
 class Humans(Mapping[str, ObjectRecord]):
@@ -150,23 +127,22 @@ def beside(start: Start) -> tuple[str, ...]:
     return tuple(thing.name for thing in start.world if thing.kind == KIND and thing.sites)
 
 
-def rows_of_sites(workspace: Workspace, scene: _Scene, names: Iterable[str]) -> Array:
-    """Rows (n, 8) of id, place, rotation of the sites that move with the bodies of some humans, now.
+def moving_sites(workspace: Workspace) -> dict[int, Site]:
+    """The sites of humans that move with their bodies, by their places in the kind.
 
     Raises:
         AhmssError: the kind is broken.
     """
-    rows: list[Array] = []
-    for name in names:
-        record = scene.objects.get(name)
-        if record is None or record.kind != KIND:  # gone: they stay where they were
-            continue
-        sites = workspace.objects.get(KIND).sites
-        moving = [(index, site) for index, site in enumerate(sites.values()) if site.part]
-        where = parts(scene.body(name), [site for _, site in moving])
-        for (index, _), row in zip(moving, where, strict=True):
-            rows.append(np.array([site_number(-record.id, index), *row]))
-    return np.array(rows).reshape(-1, 8)
+    return {index: site for index, site in enumerate(workspace.objects.get(KIND).sites.values()) if site.part}
+
+
+def rows_of_sites(sites: Mapping[int, Site], scene: _Scene, names: Iterable[str]) -> Array:
+    """Rows (n, 8) of id, place, rotation of the moving sites of some humans, now; who is gone has none."""
+    rows: list[list[float]] = []
+    for human, body in scene.bodies(names):
+        where = parts(body, list(sites.values()))
+        rows += [[site_number(human, index), *row] for index, row in zip(sites, where, strict=True)]
+    return np.array(rows, float).reshape(-1, 8)
 
 
 def place_of(world: World, name: str) -> Array:
@@ -178,26 +154,3 @@ def place_of(world: World, name: str) -> Array:
 def site_number(human: int, index: int) -> int:
     """The number by which FRAME calls a site: of the human with that id in the world, the site's place in its kind."""
     return _SITES + human * _MOST_SITES + index
-
-
-def parts(body: Body, sites: Sequence[Site]) -> list[Array]:
-    """Where sites that belong to parts of a body are in the world, (7,) each.
-
-    A palm's frame is the grip's. The eyes' and each link's x points along the link, the eyes' ahead with z up.
-    """
-    skeleton = body.skeleton
-    places, turned = forward(body.rotations, body.root, skeleton.offsets)
-    palms = grips(skeleton, body.rotations, body.root)
-    out: list[Array] = []
-    for site in sites:
-        if site.part in _PALMS:
-            row = palms[_PALMS.index(site.part)]
-            place, rotation = row[:3], row[3:]
-        else:
-            link = INDEX["head" if site.part == _EYES else site.part]
-            place, rotation = places[link], turned[link]
-            if site.part == _EYES:
-                place, rotation = place + rotate(rotation, skeleton.eye), multiply(rotation, _UP_IN_LINK)
-        place = place + rotate(rotation, np.array(site.position))
-        out.append(np.concatenate([place, multiply(rotation, np.array(site.rotation))]))
-    return out

@@ -8,11 +8,11 @@ import numpy as np
 
 from ahmss.algorithm.messages import FRAME_HUMAN, HEADER, Kind, size
 from ahmss.body.array import Array
-from ahmss.database.records import AlgorithmEntry
+from ahmss.database.records import AlgorithmEntry, Site
 from ahmss.database.workspace import Workspace
 from ahmss.main.blending import Blending
 from ahmss.main.communication import Communication
-from ahmss.main.company import rows_of_sites
+from ahmss.main.company import moving_sites, rows_of_sites
 from ahmss.main.motion import Motion, Mover, Shown
 from ahmss.main.people import People
 from ahmss.main.surroundings import NOTHING, Surroundings
@@ -30,6 +30,8 @@ class Showing:
     def __init__(self, workspace: Workspace, communication: Communication) -> None:
         self._workspace, self._communication = workspace, communication
         self._surroundings, self._people = Surroundings(), People()
+        self._company: tuple[str, ...] = ()
+        self._sites: dict[int, Site] = {}
         self.human = np.zeros(size(FRAME_HUMAN))
         self.changes = NOTHING
 
@@ -50,10 +52,17 @@ class Showing:
         if _asked_for_humans(motions, movers):
             others = self._people.moved(self._communication.world, self._communication.human)
             company = dict.fromkeys(name for one in motions for name in (*one.company, *one.beside))
-            sites = rows_of_sites(self._workspace, self._communication, company) if company else NOTHING
-            self.changes = np.concatenate([self.changes, others, sites])
+            self.changes = np.concatenate([self.changes, others, self._sites_of(tuple(company))])
         else:
             self._people.forget()
+
+    def _sites_of(self, company: tuple[str, ...]) -> Array:
+        """Rows (n, 8) of the sites of those humans; which sites a human has is asked when others are with us."""
+        if not company:
+            return NOTHING
+        if company != self._company:
+            self._company, self._sites = company, moving_sites(self._workspace)
+        return rows_of_sites(self._sites, self._communication, company)
 
     def frame(self, k: int, moved: Array, entry: AlgorithmEntry) -> bytes:
         """A human algorithm's FRAME k: the human, and what moved, rows (n, 8)."""

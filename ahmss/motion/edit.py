@@ -9,15 +9,13 @@ import numpy as np
 from ahmss.body import skeleton as body
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
-from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, norm, rotate
+from ahmss.body.quaternion import conjugate, multiply, norm, rotate
 from ahmss.motion.clip import Clip
 from ahmss.motion.resample import resample
 
 __all__ = ["at_rate", "begun_at_origin", "cut", "floor_frame", "mirrored", "part"]
 
-_UP = np.array([0.0, 0.0, 1.0])
 _LEVEL = np.array([1.0, 1.0, 0.0])
-_AHEAD = np.array([0.0, 0.0, -1.0])  # the hips' z points back
 _SWAPPED_TARGETS = [1, 0, 3, 2, 4]
 _REFLECTION = np.array([1.0, -1.0, 1.0])  # of places at the plane y = 0
 _TURN_REFLECTION = np.array([1.0, -1.0, 1.0, -1.0])  # of rotations wxyz at the same plane
@@ -80,8 +78,12 @@ def floor_frame(rotations: Array, root: Array) -> tuple[Array, Array]:
     Returns:
         place (..., 3) on the floor and rotation (..., 4), world <- frame.
     """
-    ahead = rotate(rotations[..., 0, :], _AHEAD)
-    return root * _LEVEL, from_axis_angle(_UP, np.arctan2(ahead[..., 1], ahead[..., 0]))
+    hips = rotations[..., 0, :]
+    w, x, y, z = hips.tolist() if hips.ndim == 1 else np.moveaxis(hips, -1, 0)
+    half = 0.5 * np.arctan2(w * x - y * z, -(x * z + w * y))  # of -z, by (4.8): the hips' z points back
+    turned = np.zeros(hips.shape)
+    turned[..., 0], turned[..., 3] = np.cos(half), np.sin(half)
+    return root * _LEVEL, turned
 
 
 def begun_at_origin(clip: Clip) -> Clip:

@@ -16,7 +16,7 @@ from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
-from ahmss.main.company import Body as Shown
+from ahmss.main.body_parts import Body as Shown
 from ahmss.main.company import parts, site_number
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
