@@ -11,6 +11,7 @@ from ahmss.world.schema import (
     POSE_WIDTH,
     WAY_SHAPE,
     HumanRecord,
+    ObjectChange,
     ObjectRecord,
     Scene,
     Snapshot,
@@ -55,7 +56,7 @@ class World:
         self._poses: Array = self._base
         self._rows: dict[str, int] = {}
         self._changed: tuple[str, ...] = ()
-        self._put: dict[str, ObjectRecord] = {}
+        self._changes: list[ObjectChange] = []
         self._last: dict[str, list[str]] | None = None
 
     # What a reader asks
@@ -116,7 +117,6 @@ class World:
         self.revision = scene.revision
         self.rate = scene.rate
         self.humans = {record.name: record for record in scene.humans}
-        self._changed = ()
         self._index(scene.objects)
 
     def show(self, snapshot: Snapshot) -> bool:
@@ -133,8 +133,8 @@ class World:
             self._poses = self._base.copy()
             places = np.frombuffer(snapshot.places, "<f8").reshape(-1, 7)
             self._poses[self._rows_of(np.frombuffer(snapshot.object_ids, "<u4"))] = places
-        if snapshot.changes or self._changed:
-            self._change(snapshot)
+        if snapshot.changes != self._changes:
+            self._change(snapshot.changes)
         return True
 
     def apply(self, ticked: Ticked) -> None:
@@ -160,7 +160,7 @@ class World:
     # How
 
     def _index(self, records: list[ObjectRecord]) -> None:
-        self._scene, self._last = records, None
+        self._scene, self._last, self._changed, self._changes = records, None, (), []
         self.objects = {record.name: record for record in records}
         self._names = {record.id: record.name for record in records}
         self._rows = {record.name: row for row, record in enumerate(records)}
@@ -172,11 +172,12 @@ class World:
     def _rows_of(self, numbers: NDArray[np.uint32]) -> NDArray[np.intp]:
         return self._order[np.searchsorted(self._ids, numbers, sorter=self._order)]
 
-    def _change(self, snapshot: Snapshot) -> None:
+    def _change(self, told: list[ObjectChange]) -> None:
         """States and holders: back to the scene's where the last snapshot had changed them, then this one's."""
+        self._changes = told
         for name in self._changed:
             self.objects[name] = self._scene[self._rows[name]]
-        changes = [change for change in snapshot.changes if change.id in self._names]
+        changes = [change for change in told if change.id in self._names]
         for change in changes:
             name = self._names[change.id]
             self.objects[name] = msgspec.structs.replace(
