@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.haste import hurried, least
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -39,6 +40,7 @@ _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the m
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
 _PERFORMED_IN = 4  # frames
+_AT_EASE = 45  # frames of a reach, with its pauses, however near: of a motion that is to be shorter they are counted
 _AS_FAST = 1.03  # of the frames that a reach has: up to so many more would be no gain
 _SLOWEST = 2.0  # times as long as at ease
 _GAINS = 0.97  # what a joint's speed comes to by being slower, at the most: else it is not the pace that makes it fast
@@ -161,7 +163,7 @@ def performed(
     slower, before = 1.0, np.inf
     while True:
         first = gaze.frames + gaze.left(_PERFORMED_IN)
-        length = max(task.length - follow - first, 1) if task.length else round(slower * plan.seconds * task.rate)
+        length = hurried(task, round(slower * plan.seconds * task.rate), first + follow)
         plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
         looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
         time = np.arange(1, length + 1) / length
@@ -204,11 +206,12 @@ class Looking:
     def __init__(self, task: HumanTask, place: Array) -> None:
         self._task, self.place = task, place
         self._feet = feet(task.human, task.start.rotations, task.start.root)
+        self._length = max(task.length, least(task, _AT_EASE)) if task.length else 0
         self._seconds = self._needed()
         self.frames = 0
         self._pauses, self._at_once = 0, 1
-        if task.length:  # a short motion has few frames for the pauses of a plan: they are spread over these
-            self._at_once = ceil(_PAUSES / max(_LEADS * task.length, 1.0))
+        if self._length:  # a short motion has few frames for the pauses of a plan: they are spread over these
+            self._at_once = ceil(_PAUSES / max(_LEADS * self._length, 1.0))
 
     def turned(self, frames: Array) -> Array:
         """How much of the way (n) the gaze has turned at frames (n)."""
@@ -225,7 +228,7 @@ class Looking:
 
     def left(self, most: int) -> int:
         """How many frames, of so many, there are for the gaze alone: the others are needed for the hand."""
-        length = self._task.length
+        length = max(self._length, self._task.length)
         return max(min(most, ceil(_LEADS * length) - 1 - self.frames), 0) if length else most
 
     def if_there_is_time(self) -> Iterator[Array]:
@@ -262,11 +265,11 @@ class Looking:
         turn = float(np.linalg.norm(to_rotation_vector(multiply(conjugate(task.start.rotations[_HEAD]), seen))))
         steepest = 4.0 * np.tan(0.25 * turn)  # along the chord, on which weights are met, the middle goes faster
         seconds = max(_HEAD_SECONDS, _PEAK * steepest / _HEAD_FASTEST)
-        return min(seconds, max(_HEAD_SECONDS, _GAZES_IN * task.length / task.rate)) if task.length else seconds
+        return min(seconds, max(_HEAD_SECONDS, _GAZES_IN * self._length / task.rate)) if self._length else seconds
 
     def _waits(self) -> bool:
         """Whether who looks there may do so for longer: nobody counts the frames, and no more of them turn anything."""
-        return not self._task.length and float(self.turned(np.array([self.frames]))[0]) >= 1.0
+        return not self._length and float(self.turned(np.array([self.frames]))[0]) >= 1.0
 
     def rows(self, frames: Array) -> Array:
         """Targets (n, 5, 8) at frames (n): the gaze, and the feet of who is not carried."""

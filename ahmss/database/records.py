@@ -137,6 +137,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
     stretches: whether it takes longer than its action's frames, where these are too few and nobody asks for so many.
+    fewest: the share of its action's frames that it takes at least, where somebody asks for fewer.
     rests: whether its motion comes to rest where it is to be given up, rather than to end with the next frame.
     parameters: None where nothing declares them: then any will do.
     """
@@ -157,6 +158,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     stretches: bool = False
     rests: bool = False
     arms: bool = False
+    fewest: float = 0.0
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -263,6 +263,8 @@ class Control:
                 order, "human", seen, actor, self._next_seed(), self._rate, carried=motion.carried
             )
             motion.process = self._launcher.start(order.human_algorithm, start)
+            if order.act.frames and order.frames > order.act.frames:
+                self._note(f"{order.title}: {order.act.frames} frames are too few; it takes {order.frames}")
         except AhmssError as error:
             self._fail(motion, str(error))
             return

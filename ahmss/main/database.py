@@ -133,7 +133,7 @@ class Database:
         if "goal_position" in affordance.asks and name in actor.holds:
             goal = self._put(goal, act, scene, actor, name, hand)
         return Order(
-            act, name, affordance, human, entry, act.frames or affordance.frames, act.after, hand, goal,
+            act, name, affordance, human, entry, _frames(act, affordance, human), act.after, hand, goal,
             parameters, object_parameters, patience=_patience(title, act, parameters),
         )  # fmt: skip
 
@@ -224,7 +224,7 @@ class Database:
         goal = messages.Goal(object=describe_human(self.workspace, scene, whom))
         return Order(
             act, thing, msgspec.structs.replace(affordance, site=takes.site), human, mover,
-            act.frames or affordance.frames, act.after, hand, goal, parameters, object_parameters, whom,
+            _frames(act, affordance, human), act.after, hand, goal, parameters, object_parameters, whom,
         )  # fmt: skip
 
     def _object_of(self, act: Act, scene: Scene) -> str:
@@ -347,6 +347,13 @@ def _hand(act: Act, affordance: Affordance, at: Array, actor: Actor, name: str) 
     hand = "left" if float((at[0] - actor.root) @ left) > _ASIDE else "right"
     other = "right" if hand == "left" else "left"
     return other if hand in busy and other not in busy else hand
+
+
+def _frames(act: Act, affordance: Affordance, human: AlgorithmEntry) -> int:
+    """How many frames: as many as was said, but no fewer than the motion takes; else the action's own number."""
+    if not act.frames:
+        return affordance.frames
+    return max(act.frames, math.ceil(human.fewest * affordance.frames))
 
 
 def _places(kind: ObjectKind, affordance: Affordance, pose: Array) -> Array:

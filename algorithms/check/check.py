@@ -12,6 +12,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.controls import before, front_of, gone_to, is_taken, standing
+from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.reaching import HEAD, Looking
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -38,7 +39,7 @@ def check(task: HumanTask) -> Iterator[Array]:
     gaze = Looking(task, task.site.place)
     if task.library is not None and not task.carried and not _legible(task):
         task, gaze = yield from gone_to(task, _stand(task), gaze)
-    length = task.length or round((TURNS + task.parameter("seconds", 1.5)) * task.rate)
+    length = hurried(task, round((TURNS + task.parameter("seconds", 1.5)) * task.rate))
     frames = gaze.frames + np.arange(1.0, length + 1.0)
     importance = np.zeros(44)
     importance[INDEX["head"]] = HEAD

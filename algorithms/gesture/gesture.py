@@ -11,6 +11,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.company import Watching
+from ahmss.algorithm.haste import hurried
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX, fingers
@@ -34,7 +35,7 @@ def gesture(task: HumanTask) -> Iterator[Array]:
     made = GESTURES.get(which)
     if made is None:
         raise AlgorithmError(f'no gesture "{which}"; there are: {", ".join(GESTURES)}')
-    length = task.length or max(round(made.seconds * task.rate), 1)
+    length = hurried(task, max(round(made.seconds * task.rate), 1))
     time = np.arange(1, length + 1) / length * made.seconds
     watching = Watching.of(task)
     rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.staging import Staged, face, part, stage, stands
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
@@ -29,7 +30,7 @@ def playback(task: HumanTask) -> Iterator[Array]:
     # The clip's first frame is where the motion starts from, so N frames more are made.
     if task.motion is None:
         raise AlgorithmError("playback needs a motion clip")
-    length = task.length or max(1, round(task.motion.duration * task.rate))
+    length = hurried(task, max(1, round(task.motion.duration * task.rate)))
     clip = task.resampled(length + 1)
     assert clip is not None
     if length > 1 and stands(clip):

@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -145,7 +146,8 @@ def _made(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -> Gen
     first, side = gaze.frames + gaze.left(FIRST), plan.reacher.side
     plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
     held = round(task.parameter("hold", 1.2) * task.rate)
-    length = max((task.length - first - held) // 2, 12) if task.length else round(BRISK * plan.seconds * task.rate)
+    at_ease = round(BRISK * plan.seconds * task.rate)
+    length = hurried(task, 2 * at_ease, first + held) // 2 if task.length else at_ease
     looked = gaze.turned(first + np.arange(1.0, length + 1.0))
     shape = list(fingers(side)), pointing(side)
     return (yield from gaze.until(first, perform(plan, np.arange(1, length + 1) / length, gaze.place, looked, shape)))

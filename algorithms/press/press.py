@@ -17,6 +17,7 @@ from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
 from ahmss.algorithm.elbow_room import awaited, crowding
+from ahmss.algorithm.haste import least
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.pinching import gone_back, rows_made
 from ahmss.algorithm.reaching import performed, sides_of
@@ -96,7 +97,8 @@ def _pushed(task: HumanTask, palm: Array, out: Array) -> Array:
     palms = np.repeat(palm[None], sum(map(len, depth)), axis=0)
     palms[:, :3] -= np.concatenate(depth)[:, None] * out
     if task.length:  # a short motion has few frames for it
-        palms = palms[np.linspace(0, len(palms) - 1, min(len(palms), task.length // 2)).round().astype(int)]
+        count = min(len(palms), max(task.length // 2, least(task, len(palms))))
+        palms = palms[np.linspace(0, len(palms) - 1, count).round().astype(int)]
     return palms
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.castors import Seated, heading_of, must_stand, rolled_to, seat_of
 from ahmss.algorithm.controls import begun_at
+from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.seat_room import in_its_room
 from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
@@ -103,7 +104,7 @@ def _free(task: HumanTask, stance: Stance) -> Iterator[Array]:
 
 
 def _down(task: HumanTask, stance: Stance) -> Array:
-    frames = task.length or round(DOWN * task.rate)
+    frames = hurried(task, round(DOWN * task.rate))
     move = Move(stance, _seated(task, stance), *_seat(task))
     return _rows(task, move, stance, np.arange(1, frames + 1) / frames)
 
@@ -115,7 +116,7 @@ def _up(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError(f"one must sit on {_name(task)} to stand up from it; the hips are elsewhere")
     task = yield from _rolled_back(task)
     heading, seat = _seat(task)
-    frames = task.length or round(UP * task.rate)
+    frames = hurried(task, round(UP * task.rate))
     sits = Stance(task.start.rotations.copy(), task.start.root.copy())
     move = Move(_upright(task, sits), sits, heading, seat)
     yield _rows(task, move, sits, 1.0 - np.arange(1, frames + 1) / frames)

@@ -29,6 +29,7 @@ from ahmss.motion.easing import minimum_jerk
 HANDS = ("right", "left")
 GAZE = 4
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
+HELD_WITHIN = 0.97  # of the arm's length: how far off what is held is at the most, once it is raised
 MOST_MISSED = 0.06  # metres that are not told of: who was carried to a thing can't lean as who stands before it does
 ON_FACE = Transform(np.zeros(3), IDENTITY)
 CARRIED_IN = 16  # frames in which a hand that goes to the face has taken on the speed of the body
@@ -216,10 +217,34 @@ def _wanted_grips(task: HumanTask, staged: Staged, base: Transform, row: int) ->
         wanted = [site.then(on_site) for site in wanted]
         if task.goal_place is not None:
             wanted[-1] = _goal(task, task.goal_place).then(task.object.frame.inverse().then(grip))
+        elif task.hold == "keep" and not task.carried and staged.clip.header.targets != "face":
+            wanted = [_within_reach(task, staged, row, key, palm) for key, palm in enumerate(wanted)]
     elif task.goal_place is not None:
         rotation = wanted[-1].rotation if task.goal_rotation is None else task.goal_rotation
         wanted[-1] = Transform(np.broadcast_to(task.goal_place, (*rotation.shape[:-1], 3)), rotation)
     return wanted
+
+
+def _within_reach(task: HumanTask, staged: Staged, row: int, key: int, palm: Transform) -> Transform:
+    """The palm of what is held at a key, drawn towards the shoulder of who straightens up, as far as the arm is short.
+
+    A clip says how far something is raised over where it stood; that may have been low, or far off.
+    """
+    shoulder, wrist, length = _arm(task, row, staged.rotations[key], staged.root[key], palm)
+    way = shoulder - wrist
+    distance = float(np.linalg.norm(way))
+    too_far = max(distance - HELD_WITHIN * length, 0.0)
+    return Transform(palm.place + too_far / max(distance, 1e-9) * way, palm.rotation)
+
+
+def _arm(task: HumanTask, row: int, rotations: Array, root: Array, palm: Transform) -> tuple[Array, Array, float]:
+    """In a pose (43, 4), (3,): where the shoulder is (3,), where a palm's wrist is (3,), the arm's length in metres."""
+    skeleton, side = task.human, HANDS[row]
+    places, _ = forward(rotations, root, skeleton.offsets)
+    upper, lower, hand = (INDEX[f"{side}_{link}"] for link in ("upper_arm", "lower_arm", "hand"))
+    wrist = palm.then(Transform.of(skeleton.grips[row]).inverse()).place
+    length = np.linalg.norm(skeleton.offsets[lower]) + np.linalg.norm(skeleton.offsets[hand])
+    return places[upper], wrist, float(length)
 
 
 def _as_wide(task: HumanTask, site: Transform) -> Transform:
@@ -268,17 +293,14 @@ def _missing(
     task: HumanTask, staged: Staged, rotations: Array, root: Array, most: float
 ) -> Iterator[tuple[str, float]]:
     """In a pose (43, 4), (3,) the arms that are too short for the clip's last hands, by more than `most`; metres."""
-    skeleton, last = task.human, staged.clip.frames - 1
+    last = staged.clip.frames - 1
     base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
-    places, _ = forward(rotations, root, skeleton.offsets)
     for row, side in enumerate(HANDS):
         if base is None or not staged.local[last, row, 7]:
             continue
-        upper, lower, hand = (INDEX[f"{side}_{link}"] for link in ("upper_arm", "lower_arm", "hand"))
-        on_hand = Transform.of(skeleton.grips[row]).inverse()
-        wrist = _wanted_grips(task, staged, base, row)[last].then(on_hand).place
-        length = np.linalg.norm(skeleton.offsets[lower]) + np.linalg.norm(skeleton.offsets[hand])
-        missing = float(np.linalg.norm(wrist - places[upper]) - length)
+        palm = _wanted_grips(task, staged, base, row)[last]
+        shoulder, wrist, length = _arm(task, row, rotations, root, palm)
+        missing = float(np.linalg.norm(wrist - shoulder)) - length
         if missing > most:
             yield side, missing
 

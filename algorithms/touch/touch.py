@@ -17,6 +17,7 @@ from ahmss.algorithm import HumanTask, Transform, WorldObject, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.controls import in_the_way, stood_before
 from ahmss.algorithm.elbow_room import awaited, crowding
+from ahmss.algorithm.haste import least
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.reaching import Looking, performed, prisms_of, sides_of
 from ahmss.algorithm.smoothest import smoothest
@@ -62,7 +63,8 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
         side, drawn = plan.reacher.side, _drawn(task, plan.palm, out, end - begin)
         if task.length:
-            drawn = drawn[np.linspace(0, len(drawn) - 1, min(len(drawn), task.length // 2)).round().astype(int)]
+            count = min(len(drawn), max(task.length // 2, least(task, len(drawn))))
+            drawn = drawn[np.linspace(0, len(drawn) - 1, count).round().astype(int)]
         return performed(task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), drawn)
 
     def touches(plan: Plan, made: Performed) -> float:

@@ -155,8 +155,22 @@ def test_nothing_jumps() -> None:
 
 
 def test_asked_for_so_many_frames_it_takes_them() -> None:
-    for length in (3, 30, 100):
-        assert len(list(frames(program("reach"), Body().start(CUP, "reach", **(FREE | {"frames": length}))))) == length
+    for length, wish in ((3, False), (30, True), (100, True)):  # of 3 frames only where main ends it after them
+        given = FREE | {"frames": length, "wish": wish}
+        assert len(list(frames(program("reach"), Body().start(CUP, "reach", **given)))) == length
+
+
+@pytest.mark.parametrize("length", [1, 8])
+def test_asked_for_too_few_frames_it_takes_those_that_it_needs_and_arrives(length: int) -> None:
+    body, task = Body(), Performance(program("reach"), Body().start(CUP, "reach", **(FREE | {"frames": length}))).task
+    shown = body.do("reach", body.start(CUP, "reach", **(FREE | {"frames": length})))
+    at_ease = Body().do("reach", Body().start(CUP, "reach", **FREE))
+    assert 0.33 * len(at_ease) < len(shown) < 0.7 * len(at_ease)
+    last = shown[-1].targets[RIGHT_HAND]
+    assert last[7] == 1.0
+    np.testing.assert_allclose(body.grip().place, last[:3], atol=1e-3)
+    notes = list(program("reach")(task)) and task.notes
+    assert notes == [f"{length} frames are too few; it takes {len(shown)}"]
 
 
 def test_who_sits_bends_at_the_waist_alone() -> None:

@@ -54,6 +54,21 @@ def holding(body: Body, lower: float = 0.0) -> None:
     body.rotations[4] = multiply(body.rotations[4], from_axis_angle(left, -1.4 + lower))
 
 
+@pytest.mark.parametrize("frames_asked", [1, 8])
+def test_who_is_to_sit_in_a_moment_takes_most_of_a_second_and_comes_to_the_seat(frames_asked: int) -> None:
+    frame = chair(0)
+    body = at("ken", frame)
+    shown = does(body, "sit", frame, frames=frames_asked, wish=True)
+    ahead, aside, height = frame.inverse().apply(body.root).tolist()
+    assert abs(ahead + 0.055) < 0.005
+    assert abs(aside) < 0.005
+    assert 0.10 < height - 0.43 < 0.13
+    assert 48 < len(shown) < 65
+    up = does(body, "stand_up", frame, frames=frames_asked, wish=True)
+    assert len(up) > 40
+    assert body.root[2] > 0.9
+
+
 def arrays(shown: list[HumanPose]) -> tuple[Array, Array]:
     return np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
 

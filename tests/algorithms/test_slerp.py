@@ -184,6 +184,22 @@ def test_what_is_out_of_reach_is_refused_with_the_missing_length(action: str, x:
         next(iter(frames(program("slerp"), body.start(CUP, action, goal=goal, **(REACH if action == "reach" else {})))))
 
 
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("place", [(0.5, -0.2, 0.25), (0.65, -0.15, 0.6), (0.15, -0.5, 0.4)])
+def test_what_was_grasped_low_or_far_off_is_lifted_to_where_the_arm_holds_it_upright(
+    name: str, place: tuple[float, float, float]
+) -> None:
+    body = Body(name, facing=0.0)
+    low = {"frames": 0, "wish": True, "hand": "right", "parameters": {"turn": "free"}}
+    body.do("reach", body.start(FLOOR, "stand", **low, goal=Goal(place=place)))
+    hips, palm = body.root[2], body.grip()
+    cup = Transform(palm.place, np.array([1.0, 0.0, 0.0, 0.0]))
+    shown = body.do("slerp", body.start(CUP, "lift", frame=cup))
+    assert body.root[2] >= hips
+    assert body.grip().place[2] > palm.place[2]
+    np.testing.assert_allclose(body.grip().place, shown[-1].targets[RIGHT_HAND, :3], atol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("length", "moved", "missing"), [(60, 0.0, "1.1"), (60, 1.25, ""), (60, 0.6, "0.5"), (2, 0.0, "1.1")]
 )
