@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import logging
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
@@ -37,11 +39,18 @@ Port = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
 
 
+_DEBUG = "AHMSS_DEBUG"
+
+
 def main() -> None:
     """Run the command that was typed; an error is one sentence and exit code 1."""
     debug = "--debug" in sys.argv
     if debug:
         sys.argv.remove("--debug")
+        os.environ[_DEBUG] = "1"  # the processes of this one tell as much
+    if os.environ.get(_DEBUG):
+        logging.basicConfig(format="debug: %(message)s")
+        logging.getLogger("ahmss").setLevel(logging.DEBUG)
     try:
         app()
     except AhmssError as error:
@@ -69,7 +78,13 @@ def options(
     version: Annotated[
         bool, typer.Option("--version", help="Say which version this is.", callback=_version, is_eager=True)
     ] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show where an error came from; stands anywhere.")] = False,
+    debug: Annotated[
+        bool,
+        typer.Option(
+            "--debug",
+            help="Show where an error came from, and which algorithm gave up at which frame; stands anywhere.",
+        ),
+    ] = False,
 ) -> None:
     """Virtual humans that act on objects which know how."""
     del version, debug  # told already, and taken out by `main`

@@ -64,7 +64,14 @@ class CommandError(AhmssError):
 
 
 class AlgorithmError(AhmssError):
-    """An algorithm process crashed, hung, or sent what the protocol forbids."""
+    """An algorithm process crashed, hung, or sent what the protocol forbids.
+
+    said: the reason alone, where it gave one itself; "" where it did not, and who and when is all that helps.
+    """
+
+    def __init__(self, message: str = "", said: str = "") -> None:
+        super().__init__(message)
+        self.said = said
 
 
 class ProtocolError(AhmssError):

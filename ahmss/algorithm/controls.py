@@ -14,8 +14,9 @@ from collections.abc import Generator, Iterable, Sequence
 import numpy as np
 
 from ahmss.algorithm.box import Box, boxes_of, nearest
+from ahmss.algorithm.out_of_reach import MOST_MISSING
 from ahmss.algorithm.place import Transform
-from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, sides_of
+from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.algorithm.sighting import Sighting
 from ahmss.algorithm.stepping import ground_of, stepped, walk_library, walkers
 from ahmss.algorithm.task import HumanFrame, HumanTask

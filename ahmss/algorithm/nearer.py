@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 
 from ahmss.algorithm.controls import gone_to, is_taken, stance_at, standing, stretch_from
-from ahmss.algorithm.reaching import MOST_MISSING, Looking
+from ahmss.algorithm.out_of_reach import MOST_MISSING
+from ahmss.algorithm.reaching import Looking
 from ahmss.algorithm.stepping import ground_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array

@@ -198,16 +198,19 @@ class AlgorithmProcess:
             self._outbound.send(_STOP)
             self._finish(self._deadlines.stop)
 
-    def fail(self, reason: str) -> None:
-        """Give it up for a reason (a clause, such as "it gave no frame for a second"); `receive` will raise it."""
+    def fail(self, reason: str, said: str = "") -> None:
+        """Give it up for a reason (a clause, such as "it gave no frame for a second"); `receive` will raise it.
+
+        said: the reason where it is the algorithm's own.
+        """
         if not self.active:
             return
         self._log.drain()
         where = f" at frame {self.pending or self.last}" if self.pending or self.last else ""
         last = self._log.last_line()
-        said = last.split("Error: ", 1)[-1] in reason  # a traceback ends with the reason itself
-        log = f'; its log ends with "{last}"' if last and not said else ""
-        self.failure = AlgorithmError(f"algorithm {self.name}{where}: {reason}{log}")
+        same = last.split("Error: ", 1)[-1] in reason  # a traceback ends with the reason itself
+        log = f'; its log ends with "{last}"' if last and not same else ""
+        self.failure = AlgorithmError(f"algorithm {self.name}{where}: {reason}{log}", said and said + log)
         self.phase = Phase.FAILED
         self.pending = 0  # nobody need wait for it
         self._finish(0.0)
@@ -270,7 +273,8 @@ class AlgorithmProcess:
         elif kind == Kind.NOTE:
             self._note(_line(payload))
         elif kind == Kind.ERROR:
-            self.fail(_line(payload) or "it failed without saying why")
+            said = _line(payload)
+            self.fail(said or "it failed without saying why", said)
         else:
             allowed = f"READY, {self._kind.name}, STATE, NOTE, DONE and ERROR"
             hint = "does it print to its standard output?"

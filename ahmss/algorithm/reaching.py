@@ -13,6 +13,7 @@ import numpy as np
 
 from ahmss.algorithm.box import boxes_of
 from ahmss.algorithm.haste import hurried, least
+from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far, tell_missed
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -24,18 +25,16 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.reaching.arm_on_way import AIMED
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.leaning import Stretch, looking
+from ahmss.reaching.leaning import looking
 from ahmss.reaching.performing import Fingers, Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.steps import Steps
 
-__all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "refuse_far", "sides_of", "tell_missed"]
+__all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "sides_of"]
 
 Worked = TypeVar("Worked")
 _HEAD = INDEX["head"]
-MOST_MISSING = 0.03  # metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of
-_TOLD = 0.001  # metres
 _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the most
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
@@ -135,7 +134,7 @@ def planned(
     reacher = yield from gaze.during(reaching.better_side(goal, sides, prisms))
     yield from gaze.if_there_is_time()
     posture, palm, arm = yield from gaze.during(reaching.posture(reacher, goal, prisms))
-    refuse_far(reacher.side, arm, most)
+    refuse_far(task, reacher.side, arm, most)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])
     yield from gaze.if_there_is_time()
@@ -174,27 +173,6 @@ def performed(
         slower = min(length * needed / (made.plan.seconds * task.rate), _SLOWEST)
         before = made.fastest if slower > 1.0 else np.inf
         plan = made.plan
-
-
-def refuse_far(side: str, arm: Stretch, most: float = MOST_MISSING) -> None:
-    """Refuse what is out of reach rather than stretch for it in the air.
-
-    Raises:
-        AlgorithmError: says by how much.
-    """
-    if arm.missing > most and arm.folded:
-        by = f"{arm.missing:.2f} m"
-        raise AlgorithmError(f"that is {by} nearer to the {side} shoulder than its elbow bends; use the other hand")
-    if arm.missing > most:
-        raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; stand nearer to it")
-
-
-def tell_missed(task: HumanTask, plan: Plan, palm: Array) -> None:
-    """Tell by how much the hand stops short of a palm (7,), as near as the arm comes to it."""
-    missed = float(np.linalg.norm(plan.palm[:3] - palm[:3]))
-    if missed > _TOLD:
-        goes = "as far as the elbow bends" if plan.arm.folded else "as far as the arm goes"
-        task.note(f"the {plan.reacher.side} hand stops {1000.0 * missed:.0f} mm short of it, {goes}")
 
 
 class Looking:

@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 
 from ahmss.algorithm.castors import must_stand
+from ahmss.algorithm.out_of_reach import LOWEST, walk_there
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -40,7 +41,6 @@ _CARES = {
 _MISSED = 3  # frames for which who moves may not have been seen
 _HUNG = 0.1  # seconds for which nothing is heard of who goes: they hang
 _PATIENCE = 15.0  # seconds that one stands and waits for others to go
-_LOWEST = 0.75  # of the upright hips' height: who is lower sits or kneels
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ def walk_library(task: HumanTask) -> Library:
     """
     if task.library is None:
         raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
-    if task.start.root[2] < _LOWEST * task.human.upright()[1][2]:
+    if task.start.root[2] < LOWEST * task.human.upright()[1][2]:
         raise AlgorithmError(must_stand(task, "walk"))
     return task.library
 
@@ -179,7 +179,7 @@ def stepped(
     if away <= near[0] and turn <= near[1]:
         return Stance(start.rotations.copy(), start.root.copy())
     if away > most:
-        raise AlgorithmError(f"{to} is {away:.1f} m from here; walk to {to} first")
+        raise AlgorithmError(f"{to} is {away:.1f} m from here; {walk_there(task, to)}")
     rotations, root = start.rotations.copy(), start.root.copy()
     held = _held(task)
     trip = Trip(

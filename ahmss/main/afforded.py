@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import difflib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -16,9 +19,10 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import Affordance, ObjectKind
 from ahmss.database.statefile import HELD, ONESELF
 from ahmss.database.workspace import Workspace
-from ahmss.errors import CommandError
+from ahmss.errors import AhmssError, CommandError
 from ahmss.main.company import KIND
 from ahmss.main.description import Scene
+from ahmss.states.condition import Condition
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Actor", "Meant", "meant", "offered", "reach", "why_not"]
@@ -62,14 +66,26 @@ def meant(workspace: Workspace, scene: Scene, name: str, action: str) -> Meant:
     kind = workspace.objects.get(record.kind)
     affordance = kind.affordances.get(action)
     if affordance is None:
-        actions = ", ".join(kind.affordances) or "nothing"
-        raise CommandError(f'{name} does not afford "{action}"; it affords: {actions}')
+        near = difflib.get_close_matches(action, kind.affordances, 1)
+        hint = f"did you mean {near[0]}?" if near else f"it affords: {', '.join(kind.affordances) or 'nothing'}"
+        if not near and (part := _part_affording(workspace, scene, name, action)):
+            hint = f"{part} does, which is in it"
+        raise CommandError(f'{name} does not afford "{action}"; {hint}')
     if not affordance.of:
         return Meant(name, record, kind, affordance, scene.pose(name))
     inner = f"{name}/{affordance.of}"
     if inner not in scene.objects:
         raise CommandError(f"{name} {action}: its {affordance.of} is not in the world any more")
     return meant(workspace, scene, inner, action)
+
+
+def _part_affording(workspace: Workspace, scene: Scene, name: str, action: str) -> str:
+    """An object in this one that affords an action, or ""."""
+    for inner, record in scene.objects.items():
+        with contextlib.suppress(AhmssError):  # a broken file hides its own kind only
+            if inner.startswith(f"{name}/") and action in workspace.objects.get(record.kind).affordances:
+                return inner
+    return ""
 
 
 def why_not(what: Meant, actor: Actor, title: str = "") -> str:
@@ -81,21 +97,44 @@ def why_not(what: Meant, actor: Actor, title: str = "") -> str:
     states = {name: value for name, value in record.states.items() if not isinstance(value, bool)}
     known = {HELD: held, ONESELF: "yes" if record.kind == KIND and what.name == actor.name else "no"}
     if affordance.when is not None and not affordance.when.holds({**states, **known}):
-        asked = {clause.state for clause in affordance.when.clauses()}
-        shown = states | {name: value for name, value in known.items() if name in asked}
-        now = ", ".join(f"{name} is {value}" for name, value in shown.items()) or "it has no states"
-        return f"{title}: only when {affordance.when.text}; {now}"
+        return f"{title}: {_otherwise(what, actor, affordance.when, states | known)}"
     lacks = _lacks(affordance, actor) or ("" if mine else _too_high(what, actor))
     if lacks:
         return f"{title}: {lacks}"
+    if affordance.hold in ("keep", "release") and not mine and _is_seat(what.kind):
+        return f"{title}: {actor.name} does not sit on it"
     if affordance.hold in ("keep", "release") and not mine:
         by = f"; {record.holder} holds it" if record.holder else ""
         if record.holder == actor.name:
             by = "; it was let go just now"
         return f"{title}: {actor.name} does not hold it{by}"
     if affordance.hold == "take" and mine:
-        return f"{title}: {actor.name} holds it already"
+        has = "sits on" if _is_seat(what.kind) else "holds"
+        return f"{title}: {actor.name} {has} it already"
     return ""
+
+
+def _otherwise(what: Meant, actor: Actor, when: Condition, now: Mapping[str, str | float]) -> str:
+    """Why a condition that asks for another state than there is now does not hold, in words."""
+    holder = what.record.holder
+    told = {
+        "here": f"{actor.name} holds it already",
+        "elsewhere": f"{holder} has it",
+        "no": f"{actor.name} does not hold it",
+    }
+    if any(when.holds({**now, HELD: held}) for held in told):
+        return told[str(now[HELD])]
+    if any(when.holds({**now, ONESELF: oneself}) for oneself in ("yes", "no")):
+        return "one does that to others, not to oneself" if now[ONESELF] == "yes" else "one does that by oneself only"
+    shown = ", ".join(
+        f"{name} is {now[name]}" for name in dict.fromkeys(c.state for c in when.clauses()) if name in now
+    )
+    return f"only when {when.text}; {shown or 'it has no such state'}"
+
+
+def _is_seat(kind: ObjectKind) -> bool:
+    """Whether it is had by sitting on it: taken, but in no hand."""
+    return any(one.hold == "take" and one.needs.get("free_hands", 1.0) == 0.0 for one in kind.affordances.values())
 
 
 def offered(what: Meant, actor: Actor) -> bool:
@@ -122,6 +161,12 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
     seats = [name for name, hand in actor.holds.items() if not hand]
     if seats and affordance.needs.get("standing", 0.0) > 0.0:
         return f"one must stand for that; `do {seats[0]} stand_up` first"
+    held = [name for name, hand in actor.holds.items() if hand]
+    if has["free_hands"] < affordance.needs.get("free_hands", 0.0):
+        takes = "both hands" if affordance.needs["free_hands"] > 1.0 else "a free hand"
+        return f"it takes {takes}, and {actor.name} holds {' and '.join(held)}; put that down first"
+    if has["full_hands"] < affordance.needs.get("full_hands", 0.0):
+        return f"it takes something in the hand, and {actor.name} holds nothing"
     for need, least in affordance.needs.items():
         if has.get(need, math.inf) < least - 1e-9:
             return f"needs {need} {least:g}; {actor.name} has {has[need]:.4g}"

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Agenda", "Follower"]
 
+_REFUSED_IN = 0.4  # seconds, by the frames, in which what can't be done is refused as a rule
 _LONGEST_WAIT = 60.0  # seconds, by the frames
 
 
@@ -59,7 +60,8 @@ class Agenda:
         self._lock = threading.Lock()
         self._unfinished = 0
         self._cut = False
-        self._doing = ""
+        self._doing = self._announcement = ""
+        self._announced_at = 0  # the main's frame
         self._failures = 0
         self._now: Step | None = None
         self._wrong = self._wrong_before = 0
@@ -123,7 +125,7 @@ class Agenda:
 
     def _break_off(self) -> None:
         """The present line ends here."""
-        self._waits, self._doing = None, ""
+        self._waits, self._doing, self._announcement = None, "", ""
         self._main.control.stop()
         if self._now is not None:
             self._dropped.append(self._now)
@@ -147,8 +149,17 @@ class Agenda:
         control = self._main.control
         if self._doing and not control.busy:
             if control.failures == self._failures:
+                self.announce()
                 self.said(f"{self._doing}: done")
-            self._doing = ""
+            self._doing = self._announcement = ""
+        elif self._main.report.frames >= self._announced_at:
+            self.announce()
+
+    def announce(self) -> None:
+        """Say what is being done, if that was not said yet: not before it is known that it can be."""
+        text, self._announcement = self._announcement, ""
+        if text:
+            self.said(text)
 
     def _busy(self) -> bool:
         if self._main.control.busy:
@@ -197,7 +208,8 @@ class Agenda:
         seconds = longest(orders) / self._setup.rate
         known = all(order.frames for order in orders)
         self._doing, self._failures = title(orders), main.control.failures
-        self.said(f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs")
+        self._announcement = f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs"
+        self._announced_at = main.report.frames + round(_REFUSED_IN * self._setup.rate)
 
     def _wait(self, line: Wait, step: Step) -> None:
         self._check_name(line.human)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -14,7 +15,7 @@ from ahmss.algorithm.messages import State
 from ahmss.algorithm.process import Answer, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
-from ahmss.errors import AhmssError, CommandError, Unreachable, WorldError
+from ahmss.errors import AhmssError, AlgorithmError, CommandError, Unreachable, WorldError
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.communication import Communication
 from ahmss.main.company import beside, met, numbers
@@ -28,6 +29,7 @@ from ahmss.world.link import Pending
 
 __all__ = ["Control"]
 
+_LOG = logging.getLogger(__name__)
 _SAYS_SO = 30  # frames after which who waits says so again
 _SEEN = 6  # frames after which it is seen who was first
 _RESTS = 4.0  # seconds in which a motion that is given up comes to rest
@@ -468,7 +470,7 @@ class Control:
                 else:
                     motion.over = True
         except AhmssError as error:
-            self._fail(motion, f"{motion.order.title}: {error}")
+            self._fail(motion, f"{motion.order.title}: {_in_words(error)}")
             return
         if 0 < motion.last <= process.last:
             motion.over = True
@@ -492,7 +494,7 @@ class Control:
                 elif isinstance(message, Note):
                     self._tell(mover.order, message.text)
         except AhmssError as error:
-            self._lose(mover, str(error))
+            self._lose(mover, _in_words(error))
         self._show_next(mover)
 
     def _tell(self, order: Order, text: str) -> None:
@@ -578,6 +580,12 @@ def _wants_free(order: Order) -> bool:
         return False
     asks = affordance.when is not None and any(clause.state == HELD for clause in affordance.when.clauses())
     return asks or order.object_algorithm is not None
+
+
+def _in_words(error: AhmssError) -> str:
+    """Why an algorithm gave up, as it says itself where it does; which one it was, and when, `--debug` shows."""
+    _LOG.debug("%s", error)
+    return (error.said if isinstance(error, AlgorithmError) else "") or str(error)
 
 
 def _refusal(pending: Pending) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -28,6 +27,7 @@ from ahmss.main.command import Act, Value
 from ahmss.main.company import KIND, Everything
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
 from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
+from ahmss.main.suggesting import nearest, some
 from ahmss.main.tops import height_of_what_is_under, place_on_top
 from ahmss.world.schema import ObjectRecord
 
@@ -297,8 +297,8 @@ def find_object(scene: Scene, name: str) -> str:
         return meant[0]
     if meant:
         raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
-    near = difflib.get_close_matches(name, [full.rsplit("/", 1)[-1] for full in scene.objects], 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(scene.objects) or 'none'}"
+    near = nearest(name, scene.objects)
+    hint = f"did you mean {near}?" if near else f"there are: {some(scene.objects)}"
     raise CommandError(f'no object "{name}" in the world; {hint}')
 
 

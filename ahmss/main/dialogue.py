@@ -9,7 +9,6 @@ It asks and understands; it prints nothing and runs nothing. The console shows i
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,6 +16,7 @@ from typing import Protocol
 
 from ahmss.errors import CommandError
 from ahmss.main.command import Act, Add, Do, Line, parse
+from ahmss.main.suggesting import as_a_line, nearest, some
 
 __all__ = ["Catalogue", "Dialogue", "Listing", "Question"]
 
@@ -164,7 +164,13 @@ class Dialogue:
     # A motion (5.1.1)
 
     def _object(self, draft: _Draft, text: str) -> _Draft:
-        name = _choose(text, self._catalogue.objects().names, "object")
+        try:
+            name = _choose(text, self._catalogue.objects().names, "object")
+        except CommandError:
+            if line := as_a_line(text, self._catalogue):
+                how = "actions are done by `do OBJECT ACTION`"
+                raise CommandError(f'no object "{text}"; {how}, as in: {line}') from None
+            raise
         return replace(draft, step="action", act=Act(name, "", after=draft.after))
 
     def _action(self, draft: _Draft, text: str) -> _Draft:
@@ -248,8 +254,8 @@ def _choose(text: str, names: Sequence[str], what: str) -> str:
         raise CommandError(f"which {what}? there are: {', '.join(names) or 'none'}")
     if meant:
         raise CommandError(f'which "{text}"? there are: {", ".join(meant)}')
-    near = difflib.get_close_matches(text, [*names, *(name.rsplit("/", 1)[-1] for name in names)], 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(names) or 'none'}"
+    near = nearest(text, names)
+    hint = f"did you mean {near}?" if near else f"there are: {some(names)}"
     raise CommandError(f'no {what} "{text}"; {hint}')
 
 

@@ -256,5 +256,6 @@ class MainProcess:
 
     def note(self, text: str) -> None:
         """Say in one line what is worth knowing and no failure."""
+        self.agenda.announce()  # what it is about comes first
         self.report.notes.append(text)
         self._say(text)

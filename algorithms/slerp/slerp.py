@@ -15,6 +15,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_mouth import with_ease
 from ahmss.algorithm.hanging import Hanging
+from ahmss.algorithm.out_of_reach import come_nearer
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.staging import Staged, face, stage
 from ahmss.body.array import Array
@@ -277,7 +278,7 @@ def _check_reach(task: HumanTask, staged: Staged) -> None:
     first = next(_missing(task, staged, staged.rotations[last], staged.root[last], MOST_MISSING), None)
     if first is not None:
         side, missing = first
-        raise AlgorithmError(f"the {side} arm is {missing:.2f} m too short for that from here; stand nearer to it")
+        raise AlgorithmError(f"the {side} arm is {missing:.2f} m too short for that from here; {come_nearer(task)}")
 
 
 def _tell_missed(task: HumanTask, staged: Staged) -> None:

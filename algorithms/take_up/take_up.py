@@ -18,7 +18,8 @@ from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.castors import seat_of
 from ahmss.algorithm.nearer import gone_nearer
-from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, refuse_far, sides_of, tell_missed
+from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
+from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.algorithm.reading import before_eyes
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
@@ -163,7 +164,7 @@ def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> It
             chosen = palms[[int(cost.argmin())]]
         yield
         found = yield from reaching.posture(reacher, Goal(place, palms={side: chosen}), prisms)
-        refuse_far(side, found[2])
+        refuse_far(task, side, found[2])
         yield
         plan = yield from reaching.way(reacher, found, place, prisms, 0.0)
         tell_missed(task, plan, found[1])

@@ -17,7 +17,8 @@ from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.castors import Seated, drawn_up, heading_of, rolled_to, seat_of
 from ahmss.algorithm.controls import before, begun_at, front_of, gone_to
 from ahmss.algorithm.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
-from ahmss.algorithm.reaching import MOST_MISSING, Looking, prisms_of, refuse_far, tell_missed
+from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far, tell_missed
+from ahmss.algorithm.reaching import Looking, prisms_of
 from ahmss.algorithm.stepping import ground_of, walk_library
 from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array
@@ -269,7 +270,7 @@ def _planned(
     for side, one in found.items():
         if one[2].missing > MOST_MISSING and (seat := seat_of(task)) is not None:
             raise AlgorithmError(f"the {side} arm is {one[2].missing:.2f} m too short for that from {_or_stand(seat)}")
-        refuse_far(side, one[2])
+        refuse_far(task, side, one[2])
         looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
         reacher = Reacher.of(task.human, side)
         plans[side] = yield from gaze.during(reaching.way(reacher, one, gaze.place, prisms, looked))

@@ -13,7 +13,8 @@ import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.at_ease import resampled, times_at_ease
-from ahmss.algorithm.reaching import Looking, performed, refuse_far, tell_missed
+from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
+from ahmss.algorithm.reaching import Looking, performed
 from ahmss.algorithm.reading import brought
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
@@ -158,7 +159,7 @@ def _planned(
         found.append((float(cost.min()), int(cost.argmin()), along))
     _, best, along = min(found)
     which, arm = yield from gaze.during(stretch_of(reacher, palms[best : best + 1], start, present, []))
-    refuse_far(side, arm)
+    refuse_far(task, side, arm)
     palm = palms[best + which] + np.append(off, np.zeros(4))
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
     plan = yield from gaze.during(reaching.way(reacher, (start, palm, arm), gaze.place, [], looked))

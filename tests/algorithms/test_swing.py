@@ -330,7 +330,7 @@ def test_the_eyes_are_on_the_lever_before_the_hand_sets_out_and_leave_it_as_the_
 
 
 def test_who_is_far_is_told_to_walk_there_first() -> None:
-    with pytest.raises(AlgorithmError, match=r"door is \d\.\d m from here; walk to room/doorway/door first"):
+    with pytest.raises(AlgorithmError, match=r"door is \d\.\d m from here; `do floor walk to door` first"):
         swung("ken", "open", np.array([0.5, -3.5, 0.0]), 90.0)
 
 

@@ -111,7 +111,7 @@ def test_who_stands_elsewhere_walks_there_and_has_to_sit_to_stand_up(
     lines = ("human ken body ken at 0 0 facing -20", "do chair stand_up", "do chair sit", "do chair stand_up")
     assert failing(tmp_path, *lines) == 1
     said = capfd.readouterr()
-    assert "room/chair stand_up: ken does not hold it" in said.out + said.err
+    assert "room/chair stand_up: ken does not sit on it" in said.out + said.err
 
 
 @pytest.mark.parametrize("motion", ["chair/play_sit", "chair/play_stand_up", "door/play_open", "door/play_close"])

@@ -154,3 +154,35 @@ def test_a_panel_that_names_a_wrong_part_or_action_is_told(workspace: Workspace)
     assert check(workspace).problems == (
         'objectdb/panel/object.toml: affordances.pull.of: "button" does not afford it; it affords: press',
     )
+
+
+def refusal(room: Room, name: str, action: str, actor: Actor) -> str:
+    return why_not(meant(SHIPPED, room, f"room/{name}", action), actor)  # type: ignore[arg-type]
+
+
+def test_a_seat_is_sat_on_and_a_cup_is_held() -> None:
+    room = Room()
+    assert refusal(room, "chair", "sit", ken(room__chair="")) == "room/chair sit: ken sits on it already"
+    assert refusal(room, "chair", "stand_up", ken()) == "room/chair stand_up: ken does not sit on it"
+    assert refusal(room, "cup", "grasp", ken(room__cup="left")) == "room/cup grasp: ken holds it already"
+    assert refusal(room, "cup", "lift", ken()) == "room/cup lift: ken does not hold it"
+
+
+def test_who_has_it_and_what_hands_are_full_of_is_said_in_words() -> None:
+    room = Room()
+    assert refusal(room, "cup", "reach", ken(room__cup="left")) == "room/cup reach: ken holds it already"
+    room.held("room/cup", "aiko")
+    assert refusal(room, "cup", "reach", ken()) == "room/cup reach: aiko has it"
+    full = ken(room__cup="left", a="right")
+    takes = "room/television/switch press: it takes a free hand, and ken holds room/cup and a; put that down first"
+    assert refusal(room, "television/switch", "press", full) == takes
+
+
+def test_an_action_that_is_meant_is_named_also_where_it_is_a_part_that_affords_it() -> None:
+    room = Room()
+    with pytest.raises(CommandError, match=r'room/cup does not afford "grap"; did you mean grasp\?$'):
+        meant(SHIPPED, room, "room/cup", "grap")  # type: ignore[arg-type]
+    with pytest.raises(CommandError, match=r'room/sink does not afford "turn"; room/sink/tap does, which is in it$'):
+        meant(SHIPPED, room, "room/sink", "turn")  # type: ignore[arg-type]
+    with pytest.raises(CommandError, match=r'room/cup does not afford "eat"; it affords: reach, grasp, '):
+        meant(SHIPPED, room, "room/cup", "eat")  # type: ignore[arg-type]

@@ -96,6 +96,10 @@ def test_a_whole_line_serves_at_any_question_and_keeps_it(dialogue: Dialogue) ->
     ("answers", "error"),
     [
         (["cpu"], 'no object "cpu"; did you mean cup?'),
+        (["stroll"], "as in: do floor stroll to cup"),
+        (["stroll to cup"], "actions are done by `do OBJECT ACTION`, as in: do floor stroll to cup"),
+        (["cup grasp"], 'no object "cup grasp"; actions are done by `do OBJECT ACTION`, as in: do cup grasp'),
+        (["grasp cup"], "as in: do cup grasp"),
         (["cup", "throw"], 'no action of room/cup "throw"; there are: grasp'),
         (["floor", "walk", "1"], 'no place x y [z] and no object "1"'),
         (["floor", "walk", "1 2", "north"], '"north" is no degrees'),

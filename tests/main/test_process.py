@@ -399,3 +399,44 @@ def test_a_new_affordance_and_its_algorithm_work_without_a_restart(ken: MainProc
     assert len(ken.report.messages) == 1
     assert 'does not afford "hail"' in ken.report.messages[0]
     assert film.angles(ARM)[-1] > 0.5
+
+
+REFUSES = """
+from ahmss.algorithm import HumanTask, run
+from ahmss.errors import AlgorithmError
+
+def refuse(task: HumanTask):
+    for k in task.frames():
+        if k == 10:
+            raise AlgorithmError("the lid is stuck; open it first")
+        yield task.pose({})
+
+run(refuse)
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [("do b shake", "b shake: ken does not hold it"), ("do b pry", "b pry: the lid is stuck; open it first")],
+)
+def test_what_is_refused_is_not_announced_first_and_is_said_in_the_words_of_who_refuses(
+    workspace: Path, ken: MainProcess, line: str, why: str
+) -> None:
+    write_algorithm(workspace, "refuse", "human", "", REFUSES)
+    with (workspace / "objectdb/box/object.toml").open("a") as file:
+        file.write('\n[affordances.pry]\nhuman_algorithm = "refuse"\nframes = 60\n')
+    said: list[str] = []
+    ken.agenda.said = said.append
+    ken.play(steps(line))
+    assert (said, ken.report.messages) == ([], [why])
+    ken.play(steps("do b wave frames 20"))
+    assert said == ["b wave: 0.3 s", "b wave: done"]
+
+
+def test_a_note_comes_after_what_it_is_about(ken: MainProcess) -> None:
+    told: list[str] = []
+    ken.agenda.said = told.append
+    ken._say = told.append
+    x, y, _ = ken.blending.root.tolist()
+    ken.play(steps(f"do b stroll to {x + 0.5} {y} frames 20"))
+    assert told == ["b stroll: 0.3 s", "b stroll: 20 frames are few", "b stroll: done"]

@@ -1,0 +1,86 @@
+"""What is out of reach: refused with what brings one nearer, as a person would type it; or told, by how much."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.algorithm.castors import heading_of, must_stand
+from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.errors import AlgorithmError
+from ahmss.reaching.leaning import Stretch
+from ahmss.reaching.plan import Plan
+
+__all__ = ["LOWEST", "MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there"]
+
+MOST_MISSING = 0.03
+"""Metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of."""
+LOWEST = 0.75
+"""Of the upright hips' height: who is lower sits or kneels."""
+
+_TOLD = 0.001  # metres
+_AT_IT = 0.9  # metres, level, from a thing's middle: who walks to it comes so near as a rule
+_FACES = np.radians(60.0)  # to either side: who walks to a thing comes to face it
+
+
+def refuse_far(task: HumanTask, side: str, arm: Stretch, most: float = MOST_MISSING) -> None:
+    """Refuse what is out of reach rather than stretch for it in the air.
+
+    Raises:
+        AlgorithmError: says by how much, and what to do.
+    """
+    if arm.missing <= most:
+        return
+    if arm.folded:
+        by = f"{arm.missing:.2f} m"
+        raise AlgorithmError(f"that is {by} nearer to the {side} shoulder than its elbow bends; use the other hand")
+    raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; {come_nearer(task)}")
+
+
+def tell_missed(task: HumanTask, plan: Plan, palm: Array) -> None:
+    """Tell by how much the hand stops short of a palm (7,), as near as the arm comes to it."""
+    missed = float(np.linalg.norm(plan.palm[:3] - palm[:3]))
+    if missed > _TOLD:
+        goes = "as far as the elbow bends" if plan.arm.folded else "as far as the arm goes"
+        task.note(f"the {plan.reacher.side} hand stops {1000.0 * missed:.0f} mm short of it, {goes}")
+
+
+def come_nearer(task: HumanTask) -> str:
+    """What to do for an arm to come there: a line to be typed where one helps."""
+    if task.start.root[2] < LOWEST * task.human.upright()[1][2]:
+        return must_stand(task, "come nearer")
+    thing = _meant(task)
+    if thing is None:
+        return "stand nearer to it"
+    way = (thing.place - task.start.root)[:2]
+    aside = float(np.arctan2(way[1], way[0])) - heading_of(task.start.rotations)
+    faces = abs((aside + np.pi) % (2.0 * np.pi) - np.pi) < _FACES
+    if faces and float(np.hypot(*way)) < _AT_IT:
+        return "stand elsewhere, or move it nearer"
+    return walk_there(task, thing.name)
+
+
+def walk_there(task: HumanTask, name: str) -> str:
+    """How one walks to what has a name, as it is typed; else that one does."""
+    known = (*task.world.values(), task.object, task.goal_object)
+    names = [thing.name for thing in known if thing is not None]
+    if name not in names:
+        return "walk nearer first"
+    floors = [thing.name for thing in task.world.values() if thing.kind == "floor"]
+    floor = _short(min(floors, key=len), names) if floors else "floor"
+    return f"`do {floor} walk to {_short(name, names)}` first"
+
+
+def _meant(task: HumanTask) -> WorldObject | None:
+    """The thing that the hand goes to: the one named as the goal, else the action's own; None where it is a place."""
+    if task.goal_object is not None or task.goal_place is not None:
+        return task.goal_object
+    return task.object
+
+
+def _short(name: str, names: list[str]) -> str:
+    """The last part of a name where no other ends in it, else all of it."""
+    last = name.rpartition("/")[2]
+    same = [other for other in names if other == last or other.endswith(f"/{last}")]
+    return last if len(set(same)) <= 1 else name

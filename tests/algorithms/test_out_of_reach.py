@@ -1,0 +1,52 @@
+"""Who does not reach so far is told what to type; what is typed does help."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from msgspec import structs
+
+from ahmss.algorithm import HumanTask
+from ahmss.algorithm.messages import ObjectRecord
+from ahmss.algorithm.out_of_reach import come_nearer, walk_there
+from ahmss.errors import AlgorithmError
+
+from .scene import CUP, FLOOR, Body, record
+from .test_reach import FREE
+
+
+def task_of(body: Body, *names: str) -> HumanTask:
+    world: list[ObjectRecord] = [record(name) for name in names]
+    return HumanTask(body.start(CUP, "reach", **FREE, world=world))
+
+
+@pytest.mark.parametrize(("x", "facing"), [(-2.0, 0.0), (-0.1, 170.0)])
+def test_who_is_far_or_has_turned_away_is_told_to_walk_there(x: float, facing: float) -> None:
+    assert come_nearer(task_of(Body(x=x, facing=facing), FLOOR)) == "`do floor walk to cup` first"
+
+
+def test_who_stands_before_it_already_is_told_something_else() -> None:
+    assert come_nearer(task_of(Body(), FLOOR)) == "stand elsewhere, or move it nearer"
+
+
+def test_who_sits_is_told_to_stand_up() -> None:
+    body = Body(x=2.075, y=0.2, facing=180.0)
+    body.root = np.array([2.185, 0.2, 0.55])
+    told = come_nearer(task_of(body, "room/chair"))
+    assert told == "one must stand to come nearer; `do room/chair stand_up` first"
+
+
+def test_a_name_is_as_long_as_it_has_to_be() -> None:
+    task = task_of(Body(x=-2.0), FLOOR)
+    assert walk_there(task, "that place") == "walk nearer first"
+    other = structs.replace(record(CUP), id=99, name="other/cup")
+    two = HumanTask(Body(x=-2.0).start(CUP, "reach", **FREE, world=[record(FLOOR), other]))
+    assert walk_there(two, CUP) == "`do floor walk to room/cup` first"
+
+
+def test_a_reach_that_is_refused_says_so() -> None:
+    body = Body(x=-2.0)
+    with pytest.raises(
+        AlgorithmError, match=r"1\.\d\d m too short for that from here; `do floor walk to cup` first"
+    ):
+        body.do("reach", body.start(CUP, "reach", **FREE, world=[record(FLOOR)]))
