@@ -46,7 +46,5 @@ def test_a_name_is_as_long_as_it_has_to_be() -> None:
 
 def test_a_reach_that_is_refused_says_so() -> None:
     body = Body(x=-2.0)
-    with pytest.raises(
-        AlgorithmError, match=r"1\.\d\d m too short for that from here; `do floor walk to cup` first"
-    ):
+    with pytest.raises(AlgorithmError, match=r"1\.\d\d m too short for that from here; `do floor walk to cup` first"):
         body.do("reach", body.start(CUP, "reach", **FREE, world=[record(FLOOR)]))
