@@ -21,11 +21,11 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Cost, Holding, opener
 from ahmss.grasping.power import THIN, power
-from ahmss.grasping.precision import TILTED, TILTS, Way, pinch, ways_to
+from ahmss.grasping.precision import PARTS, TILTED, TILTS, Way, pinch, ways_to
+from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import around_axis
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.steps import Steps
 
 __all__ = ["Before", "goal_before", "grips_before"]
 
@@ -88,7 +88,7 @@ _Grip = tuple[float, Holding, Array]  # what it costs, the grip, and the directi
 def _pinches(hand: Hand, field: Field, site: Transform, cost: Cost) -> Steps[list[_Grip]]:
     """Grips between thumb and fingers at a site."""
     ways: list[Way] = []
-    for tilts in np.split(TILTS, 3):
+    for tilts in np.split(TILTS, PARTS):
         ways += ways_to(hand, field, site.row(), tilts)
         yield
     if not ways:
@@ -100,7 +100,7 @@ def _pinches(hand: Hand, field: Field, site: Transform, cost: Cost) -> Steps[lis
     found: list[_Grip] = []
     for i in np.argsort(total, kind="stable")[:_TRIED]:
         yield
-        holding = pinch(hand, field, ways[i])
+        holding = yield from pinch(hand, field, ways[i])
         if holding is not None and holding.holds:
             found.append((float(total[i]), holding, inward[i]))
         if len(found) == _ENOUGH:
@@ -117,7 +117,7 @@ def _bars(task: HumanTask, hand: Hand, field: Field, cost: Cost) -> Steps[list[_
     palms = to_object.then(Transform(np.tile(task.site.place, (len(turned), 1)), turned)).row()
     easiest = palms[int(cost(palms)[0].argmin())]
     yield
-    holding = power(hand, field, easiest, to_object.then(task.site).row(), cost)
+    holding = yield from power(hand, field, easiest, to_object.then(task.site).row(), cost)
     if holding is None or not holding.holds:
         return []
     return [(float(cost(holding.palm[None])[0][0]), holding, rotate(holding.palm[3:], np.array([1.0, 0.0, 0.0])))]

@@ -6,7 +6,7 @@ there, into what the thing stands on. So the arm is solved anew from frame to fr
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ahmss.algorithm.giving_way import Things
 from ahmss.algorithm.task import HumanTask
@@ -21,11 +21,11 @@ _ARM = 20.0  # its importance: of an arm that is high up even a little of a walk
 _ROTATIONS, _IMPORTANCE, _TARGETS = slice(4, 176), slice(176, 220), slice(220, 260)  # of a row
 
 
-def closing_carried(task: HumanTask, side: str, rows: Array) -> Iterator[Array]:
-    """POSE rows (n, 260) of a hand that closes, one by one, the arm in each as the body then is carried."""
+def closing_carried(task: HumanTask, side: str, blocks: Iterable[Array]) -> Iterator[Array]:
+    """POSE rows, of blocks (n, 260), of a hand that closes, one by one, the arm in each as the body then is carried."""
     arm = _Arm(task, side)
     links, row = Reacher.of(task.human, side).links, SIDES.index(side)
-    for one in rows:
+    for one in (one for rows in blocks for one in rows):
         made = one[None].copy()
         palm = made[0, _TARGETS].reshape(5, 8)[row, :7]
         made[0, _ROTATIONS].reshape(43, 4)[links] = arm.step(palm)

@@ -25,12 +25,12 @@ from ahmss.body.array import Array
 from ahmss.body.links import LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
+from ahmss.motion.steps import Steps
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch, stretch_of
 from ahmss.reaching.plan import Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.steps import Steps
 from ahmss.walking import goals
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free

@@ -24,6 +24,7 @@ from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import DEEP, Holding, opener
 from ahmss.grasping.power import power
 from ahmss.grasping.precision import SPAN, precision
+from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.waist import bent_towards
@@ -67,7 +68,7 @@ def read_shape(task: HumanTask | ObjectTask) -> None:
         field_at(task, np.zeros(3) if named is None else np.array(named.position))
 
 
-def closing(task: HumanTask, side: str, most: float) -> Closing:
+def closing(task: HumanTask, side: str, most: float) -> Steps[Closing]:
     """The grip that the action's site asks for: power, about its z, where it says nothing.
 
     Args:
@@ -94,11 +95,12 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     hand = Hand.of(task.human, side)
     arm = ArmCost(task, side)
     if named is not None and named.grip == "precision":
-        holding = precision(hand, field, grip.row(), site.row(), arm.cost)
+        holding = yield from precision(hand, field, grip.row(), site.row(), arm.cost)
     else:
-        holding = power(hand, field, grip.row(), site.row(), arm.cost)
+        holding = yield from power(hand, field, grip.row(), site.row(), arm.cost)
     if holding is None or not holding.holds:
         raise AlgorithmError(_why(thing.name, holding))
+    yield
     palm = Transform.of(holding.palm)
     spine = arm.spine_for(palm)
     far = float(np.linalg.norm(palm.place - grip.place))
@@ -109,12 +111,13 @@ def closing(task: HumanTask, side: str, most: float) -> Closing:
     if task.length and not task.message.wish:  # who may take longer takes longer
         by = there_by(grip.row(), holding.palm, task.length)
     if wide is not None:
+        yield
         out = out_by(hand, field, (grip.row(), holding.palm), (present, holding.shape, wide), by)
     made = Closing(thing.frame.then(palm), holding.shape, wide, spine, out, by)
-    return made if task.carried else _kept_out(task, side, field, made, holding)
+    return made if task.carried else (yield from _kept_out(task, side, field, made, holding))
 
 
-def _kept_out(task: HumanTask, side: str, field: Field, made: Closing, holding: Holding) -> Closing:
+def _kept_out(task: HumanTask, side: str, field: Field, made: Closing, holding: Holding) -> Steps[Closing]:
     """The closing, or one that opens wider and goes farther out, on which the hand is not driven into the object.
 
     Raises:
@@ -123,6 +126,7 @@ def _kept_out(task: HumanTask, side: str, field: Field, made: Closing, holding: 
     assert task.object is not None
     least, wide = np.inf, opener(Hand.of(task.human, side), holding) if holding.wide is None else holding.wide
     for way in (made, *(replace(made, wide=wide, out=out) for out in _OUTS)):
+        yield
         deep = closing_depth(task, side, field, way.palm.row(), (way.shape, way.wide), way.spine, way.out, way.by)
         outside = np.flatnonzero(deep < DEEP)  # a hand that is in it already has to come out first
         driven = float(deep[outside[0] if len(outside) else -1 :].max())

@@ -20,6 +20,7 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.precision import precision
+from ahmss.motion.steps import finished
 from ahmss.reaching.pointing import palms_pointing
 
 __all__ = ["Margin", "margins"]
@@ -85,7 +86,8 @@ def _palms(task: HumanTask, side: str, site: SiteRecord, aslant: float) -> Array
     for over in _OVER:
         turned = Transform(level[0, :3], multiply(from_axis_angle(into, np.array(over)), level[0, 3:]))
         present = thing.frame.inverse().then(turned)
-        holding = precision(Hand.of(task.human, side), thing.shape.field(local.place), present.row(), local.row())
+        field = thing.shape.field(local.place)
+        holding = finished(precision(Hand.of(task.human, side), field, present.row(), local.row()))
         if holding is not None and holding.holds:
             made.append(thing.frame.then(Transform.of(holding.palm)).row())
     return np.array(made).reshape(-1, 7)

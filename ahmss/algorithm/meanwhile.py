@@ -6,9 +6,9 @@ from collections.abc import Generator
 from typing import Generic, TypeVar
 
 from ahmss.body.array import Array
-from ahmss.reaching.steps import Steps
+from ahmss.motion.steps import Steps
 
-__all__ = ["Thinking", "alongside"]
+__all__ = ["Thinking", "alongside", "waited"]
 
 Found = TypeVar("Found")
 
@@ -36,6 +36,25 @@ class Thinking(Generic[Found]):
         while self.part():
             pass
         return self._found[0]
+
+
+def waited(
+    work: Steps[Found], row: Array, most: int | None = None, at_once: int = 1
+) -> Generator[Array, None, tuple[Found, int]]:
+    """What work finds, and in how many frames; in its pauses the same frame (1, 260) again.
+
+    most: frames that may be given; the rest of the work is done in the last. at_once: parts of it that are done in one.
+    """
+    given = parts = 0
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            return end.value, given
+        parts += 1
+        if parts % at_once == 0 and (most is None or given < most):
+            given += 1
+            yield row
 
 
 def alongside(rows: Array, thinking: Thinking[Found]) -> Generator[Array, None, None]:

@@ -17,11 +17,11 @@ from ahmss.algorithm.stepping import ground_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
+from ahmss.motion.steps import Steps
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import SIDES
-from ahmss.reaching.steps import Steps
 from ahmss.walking import goals
 from ahmss.walking.obstacles import nearest_free
 

@@ -24,6 +24,7 @@ from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding, opener
 from ahmss.grasping.key_grip import curled
 from ahmss.grasping.precision import precision
+from ahmss.motion.steps import finished
 from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.handpoints import own_points, placed_points
 from ahmss.reaching.plan import Reaching
@@ -93,7 +94,8 @@ def grip_of(task: HumanTask, side: str, part: Part, over: float) -> Grip | None:
     present = thing.frame.inverse().then(
         Transform(level[0, :3], multiply(from_axis_angle(into, np.array(over)), level[0, 3:]))
     )
-    holding = precision(Hand.of(task.human, side), thing.shape.field(site.place), present.row(), site.row())
+    field = thing.shape.field(site.place)
+    holding = finished(precision(Hand.of(task.human, side), field, present.row(), site.row()))
     if holding is None or not holding.holds:
         return None
     palm = task.site.inverse().then(thing.frame.then(Transform.of(holding.palm)))

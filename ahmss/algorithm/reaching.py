@@ -23,13 +23,13 @@ from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vecto
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
+from ahmss.motion.steps import Steps
 from ahmss.reaching.arm_on_way import AIMED
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import looking
 from ahmss.reaching.performing import Fingers, Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
-from ahmss.reaching.steps import Steps
 
 __all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "sides_of"]
 
@@ -40,6 +40,7 @@ HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
 _PERFORMED_IN = 4  # frames
 _AT_EASE = 45  # frames of a reach, with its pauses, however near: of a motion that is to be shorter they are counted
+_BEYOND = 1  # pauses without a frame, after which it is performed anew in as many as it needs
 _AS_FAST = 1.03  # of the frames that a reach has: up to so many more would be no gain
 _SLOWEST = 2.0  # times as long as at ease
 _GAINS = 0.97  # what a joint's speed comes to by being slower, at the most: else it is not the pace that makes it fast
@@ -159,14 +160,17 @@ def performed(
         then: palms (m, 7) of frames that follow; the reach takes the frames before them.
     """
     follow = 0 if then is None else len(then)
-    slower, before = 1.0, np.inf
+    slower, before, within = 1.0, np.inf, _PERFORMED_IN
     while True:
-        first = gaze.frames + gaze.left(_PERFORMED_IN)
+        first = gaze.frames + gaze.left(within)
         length = hurried(task, round(slower * plan.seconds * task.rate), first + follow)
         plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
         looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
         time = np.arange(1, length + 1) / length
-        made = yield from gaze.until(first, perform(plan, time, gaze.place, looked, fingers, then))
+        made = yield from gaze.until_or_not(first, perform(plan, time, gaze.place, looked, fingers, then))
+        if made is None:
+            within = gaze.to_come
+            continue
         needed = max(made.plan.seconds * task.rate, length * made.fastest / AIMED) / length
         if task.length or needed < _AS_FAST or slower >= _SLOWEST or made.fastest > _GAINS * before:
             return made
@@ -226,15 +230,36 @@ class Looking:
 
     def until(self, last: int, work: Steps[Worked]) -> Generator[Array, None, Worked]:
         """What work finds; in its pauses, and then, the frames as `alone` up to the last."""
-        while True:
+        (found,) = yield from self._until(last, work)
+        return found
+
+    def until_or_not(self, last: int, work: Steps[Worked]) -> Generator[Array, None, Worked | None]:
+        """The same; None where these frames are far too few and nobody counts them: it is given up."""
+        found = yield from self._until(last, work, None if self._task.length else _BEYOND)
+        return found[0] if found else None
+
+    def _until(
+        self, last: int, work: Steps[Worked], beyond: int | None = None
+    ) -> Generator[Array, None, tuple[Worked, ...]]:
+        """What work finds; nothing where it pauses more often without a frame than `beyond`."""
+        without = 0
+        while beyond is None or without <= beyond:
             try:
                 next(work)
             except StopIteration as end:
                 while self.frames < last:
                     yield self.alone()
-                return end.value
+                return (end.value,)
             if self.frames < last or self._waits():
                 yield self.alone()
+            else:
+                without += 1
+        return ()
+
+    @property
+    def to_come(self) -> int:
+        """How many more frames the gaze takes to the place."""
+        return max(ceil(self._seconds * self._task.rate) - self.frames, 1)
 
     def _needed(self) -> float:
         """Seconds in which the head comes to the place: the farther it turns the more, its peak speed being limited."""

@@ -20,7 +20,7 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.grasping.fingertips import Fingertips
 from ahmss.grasping.hand import FINGERS
 from ahmss.motion.easing import minimum_jerk
-from ahmss.reaching.steps import Steps
+from ahmss.motion.steps import Steps
 
 __all__ = ["HOVER", "TypingHand"]
 

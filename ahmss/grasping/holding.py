@@ -12,6 +12,7 @@ from ahmss.body.array import Array
 from ahmss.grasping.closing import THUMB_MOST, THUMB_SLACK, TOUCH, Fingers, Hands, close_fingers, close_thumb
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import FINGERS, Hand, Thumb
+from ahmss.motion.steps import Steps
 
 __all__ = ["DEEP", "HOLDS", "Cost", "Holding", "Trial", "best", "opener"]
 
@@ -91,18 +92,20 @@ class Trial:
         )  # fmt: skip
 
 
-def best(hand: Hand, field: Field, trial: Trial) -> Holding:
+def best(hand: Hand, field: Field, trial: Trial) -> Steps[Holding]:
     """Close the hands of a trial, the first alone where that will do, and give the best."""
-    first = _best(hand, field, trial.first())
+    first = yield from _best(hand, field, trial.first())
     if len(trial.palms) == 1 or first.well(trial.links):
         return first
-    return _best(hand, field, trial)
+    yield
+    return (yield from _best(hand, field, trial))
 
 
-def _best(hand: Hand, field: Field, trial: Trial) -> Holding:
+def _best(hand: Hand, field: Field, trial: Trial) -> Steps[Holding]:
     """The best by the fingers and the palm, and of a few of these the best with the thumb."""
     fingers = close_fingers(hand, trial.hands, field, trial.curls[0])
     for curl in trial.curls[1:]:
+        yield
         fingers = fingers.or_better(close_fingers(hand, trial.hands, field, curl))
     palms = trial.hands.seen(np.broadcast_to(hand.palm, (len(trial.palms), *hand.palm.shape)))
     depth = -np.minimum((field.clearance(palms) - hand.palm_radius).min(axis=1), fingers.gaps.min(axis=(1, 2)))
@@ -114,6 +117,8 @@ def _best(hand: Hand, field: Field, trial: Trial) -> Holding:
         + _GAP * fingers.loose().mean(axis=1)
         + trial.cost
     )
+    if len(score) > 1:
+        yield
     few = np.argsort(score)[:FEW]
     few_of = trial.chosen(few)
     of = np.repeat(few, few_of.rises.shape[1])

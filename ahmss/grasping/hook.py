@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -13,6 +14,7 @@ from ahmss.grasping.closing import THUMB_MOST, Fingers, Hands, hook_fingers
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import FINGERS, Hand, Thumb
 from ahmss.grasping.holding import DEEP, THUMB_OPENS_BY, Cost, Holding
+from ahmss.motion.steps import Steps
 
 __all__ = ["hook", "until_it_touches"]
 
@@ -23,9 +25,11 @@ SLANTS = np.radians([0.0, 15.0, -15.0])  # by which the hand lies askew of the b
 KNUCKLES, ENDS = np.radians([30.0, 10.0, 55.0]), np.radians([[12.0, 55.0], [12.0, 30.0], [75.0, 30.0], [75.0, 30.0]])
 THREE = 3  # of these, where the little finger stays straight: it does not go through
 ACROSS, NEAR, FAR = np.array([0.022, 0.032]), np.array([0.0, -0.013, 0.013]), np.array([-0.024, 0.024])
-TURNS = 2  # about the bar, that are tried
-ARM, CANNOT = 0.2, 3.0  # what counts of what a palm costs the arm, and of one that it can't take
+TURNS = 1, 3, 6  # of these, counted from the best: tried alone, then together
+ARM = 0.2  # what counts of what a palm costs the arm
 MANY, SOME = 48, 2  # hands that are closed; of their balls every second counts as they come
+PLENTY, WELL = 3, 0.25  # fingers through the loop that are enough; what then is left over that another might gain
+COME, CLOSE_AT_ONCE = 48, 10  # hands that come and that are closed between two pauses
 ON = 0.0025  # metres within which a link is on the bar
 OPPOSITE = -0.3  # cosine between the normals under the links of a finger that goes around
 STRAIGHT = np.radians(10.0)
@@ -36,7 +40,7 @@ ROUNDS, CLOSE = 12, 1e-4  # of coming nearer; metres that are none
 X = np.array([1.0, 0.0, 0.0])
 
 
-def hook(hand: Hand, field: Field, rotation: Array, site: Array, cost: Cost | None = None) -> Holding | None:
+def hook(hand: Hand, field: Field, rotation: Array, site: Array, cost: Cost | None = None) -> Steps[Holding | None]:
     """The best hook grip about a site's z.
 
     Args:
@@ -55,48 +59,85 @@ def hook(hand: Hand, field: Field, rotation: Array, site: Array, cost: Cost | No
     turned = multiply(multiply(from_axis_angle(up, around), rotation), from_axis_angle(X, slant))
     palms = np.concatenate([np.tile(site[:3], (len(around), 1)), turned], axis=1)
     worth = 0.5 * np.abs(around) + 0.5 * np.abs(slant)
+    can = np.ones(len(palms), bool)
     if cost is not None:
         of_arm, can = cost(palms)
-        worth = worth + ARM * of_arm + np.where(can, 0.0, CANNOT)
+        worth = worth + ARM * of_arm
     order = np.argsort(worth, kind="stable")
-    first, second, last = np.split(order, [TURNS, 2 * TURNS + 1])
-    for few, along in ((first, NEAR), (second, NEAR), (last, NEAR), (order[: TURNS + 1], FAR)):
-        hands, start, against = _across(hand, field, palms[few], up, worth[few], along)
-        if not len(against):
+    order = order[can[order]] if can.any() else order  # where it seems to take none its trunk may yet help it
+    first, second, third, last = np.split(order, TURNS)
+    for few, along in ((first, NEAR), (second, NEAR), (third, NEAR), (last, NEAR), (order[: TURNS[1]], FAR)):
+        if not len(few):
             continue
-        fingers = hook_fingers(hand, hands, field, start)
-        around = _around(field, fingers)
-        balls = hands.seen(np.broadcast_to(hand.palm, (len(against), *hand.palm.shape)))
-        depth = -np.minimum((field.clearance(balls) - hand.palm_radius).min(axis=1), fingers.gaps.min(axis=(1, 2)))
-        through = (around < OPPOSITE).sum(axis=1)
-        off = fingers.loose().mean(axis=1)
-        i = int((against - 1.0 * through + 300.0 * np.maximum(depth - 0.5 * DEEP, 0.0) + 60.0 * off).argmin())
-        if through[i] >= LEAST and depth[i] < DEEP:
-            return _held(hand, field, hands.chosen(np.array([i])), start[i], fingers, i)
+        yield
+        hands, start, against = yield from _across(hand, field, palms[few], up, worth[few], along)
+        best = yield from _best(hand, field, hands, start, against)
+        if best is not None and best.holds:
+            yield
+            return _held(hand, field, best)
     return None
 
 
-def _held(hand: Hand, field: Field, one: Hands, start: Array, fingers: Fingers, i: int) -> Holding:
-    """The grip of one hand, the i-th whose fingers have closed from `start` (4, 3)."""
-    flexion, touching = fingers.flexion[i], fingers.gaps[i] < ON
+@dataclass(frozen=True, eq=False)
+class _Closed:
+    """One hand, its fingers (1, 4, 3) closed from `start` (4, 3), how many go around the bar, and how deep any is."""
+
+    score: float
+    one: Hands
+    start: Array
+    fingers: Fingers
+    through: int
+    depth: float
+
+    @property
+    def holds(self) -> bool:
+        return self.through >= LEAST and self.depth < DEEP
+
+
+def _best(hand: Hand, field: Field, hands: Hands, start: Array, against: Array) -> Steps[_Closed | None]:
+    """The best of hands (C) whose fingers close from `start` (C, 4, 3); `against` (C) speaks against each."""
+    best: _Closed | None = None
+    for first in range(0, len(against), CLOSE_AT_ONCE):
+        if best is not None and best.holds and best.score < against[first] - max(best.through, PLENTY) + WELL:
+            break  # none that speaks for itself as much as the rest do could be much better
+        yield
+        some = np.arange(first, min(first + CLOSE_AT_ONCE, len(against)))
+        few = hands.chosen(some)
+        fingers = hook_fingers(hand, few, field, start[some])
+        balls = few.seen(np.broadcast_to(hand.palm, (len(some), *hand.palm.shape)))
+        depth = -np.minimum((field.clearance(balls) - hand.palm_radius).min(axis=1), fingers.gaps.min(axis=(1, 2)))
+        through = (_around(field, fingers) < OPPOSITE).sum(axis=1)
+        off = fingers.loose().mean(axis=1)
+        score = against[some] - 1.0 * through + 300.0 * np.maximum(depth - 0.5 * DEEP, 0.0) + 60.0 * off
+        i = int(score.argmin())
+        if best is None or score[i] < best.score:
+            own = Fingers(*(values[[i]] for values in (fingers.flexion, fingers.gaps, fingers.touches)))
+            one = few.chosen(np.array([i]))
+            best = _Closed(float(score[i]), one, start[first + i], own, int(through[i]), float(depth[i]))
+    return best
+
+
+def _held(hand: Hand, field: Field, closed: _Closed) -> Holding:
+    """The grip of a hand whose fingers have closed, the thumb beside them or on top."""
+    one, fingers = closed.one, closed.fingers
+    flexion, touching = fingers.flexion[0], fingers.gaps[0] < ON
     thumb, gap = _thumb(hand, field, one, flexion)
     names = ["thumb"] if gap < ON else []
     names += [name for name, on in zip(FINGERS, touching.any(axis=1), strict=True) if on]
     q_palm = multiply(from_matrix(one.turn[0]), hand.grip[3:])
     palm = np.concatenate([one.place[0] + one.turn[0] @ hand.grip[:3], q_palm])
     balls = one.seen(hand.palm[None])
-    depth = -min(float((field.clearance(balls) - hand.palm_radius).min()), float(fingers.gaps[i].min()), gap)
+    depth = -min(float((field.clearance(balls) - hand.palm_radius).min()), float(fingers.gaps.min()), gap)
     out = Thumb(np.minimum(thumb.out + THUMB_OPENS_BY, THUMB_MOST), thumb.rise, thumb.bend)
-    around = _around(field, Fingers(flexion[None], fingers.gaps[i : i + 1], fingers.touches[i : i + 1]))
     return Holding(
         palm, hand.rotations(flexion, thumb), flexion, thumb, tuple(names), int(touching.sum()),
-        float(around.min()), max(depth, 0.0), hand.rotations(start, out),
+        float(_around(field, fingers).min()), max(depth, 0.0), hand.rotations(closed.start, out),
     )  # fmt: skip
 
 
 def _across(
     hand: Hand, field: Field, turned: Array, up: Array, worth: Array, along: Array
-) -> tuple[Hands, Array, Array]:
+) -> Steps[tuple[Hands, Array, Array]]:
     """Hands (C) whose open fingers (C, 4, 3) lie on a bar along `up`, and what speaks against each (C), the best first.
 
     The palms' rotations are those of `turned` (n, 7), at a place of the bar; `worth` (n) speaks against these. `along`
@@ -104,8 +145,10 @@ def _across(
     """
     numbers = (range(len(turned)), range(len(KNUCKLES)), range(len(ENDS)), range(len(ACROSS)), range(len(along)))
     which, k, end, a, m = np.array([*product(*numbers)], np.intp).T
+    cost = worth[which] + 0.2 * np.abs(KNUCKLES[k] - KNUCKLES[0]) + 4.0 * np.abs(along[m]) + 0.05 * end
+    order = np.argsort(cost, kind="stable")
+    which, k, end, a, m, cost = (values[order] for values in (which, k, end, a, m, cost))
     knuckle, across, along = KNUCKLES[k], ACROSS[a], along[m]
-    cost = worth[which] + 0.2 * np.abs(knuckle - KNUCKLES[0]) + 4.0 * np.abs(along) + 0.05 * end
     start = np.concatenate([knuckle[:, None], ENDS[end]], axis=-1)
     start = np.repeat(start[:, None], 4, axis=1)
     start[end == THREE, 3, 1:] = STRAIGHT
@@ -115,18 +158,28 @@ def _across(
     root = hand.roots[:3].mean(axis=0)
     bar = np.stack([root[0] + across * np.cos(knuckle), np.zeros_like(across), np.full_like(across, root[2])], axis=-1)
     places = turned[0, :3] + along[:, None] * up - np.einsum("cij,cj->ci", turn, bar) - BACK * inward
+    chosen = np.zeros(0, np.intp)
+    for low in range(0, len(cost), COME):
+        yield
+        some = slice(low, low + COME)
+        lies, places[some] = _come(hand, field, Hands(places[some], turn[some]), start[some], inward[some])
+        chosen = np.concatenate([chosen, low + np.flatnonzero(lies)])[:MANY]
+        if len(chosen) == MANY:
+            break
+    return Hands(places[chosen], turn[chosen]), start[chosen], cost[chosen]
+
+
+def _come(hand: Hand, field: Field, hands: Hands, start: Array, inward: Array) -> tuple[NDArray[np.bool_], Array]:
+    """Whether fingers (C, 4, 3) of hands that come along directions (C, 3) lie on what they meet; their places then."""
     fingers, radii = hand.finger_balls(start)
     some = fingers[..., ::SOME, :].reshape(len(start), -1, 3)
     balls = np.concatenate([some, np.broadcast_to(hand.palm, (len(start), *hand.palm.shape))], axis=1)
     wide = np.concatenate([radii[..., ::SOME].reshape(-1), np.full(len(hand.palm), hand.palm_radius)])
-    middles = Hands(places, turn).seen(balls)
-    went, met = until_it_touches(field, middles, inward, wide)
-    places = places + went[:, None] * inward
-    first = Hands(places, turn).seen(fingers[:, :, 0])
+    went, met = until_it_touches(field, hands.seen(balls), inward, wide)
+    places = hands.place + went[:, None] * inward
+    first = Hands(places, hands.turn).seen(fingers[:, :, 0])
     lies = ((field.clearance(first) - radii[:, 0]).min(axis=-1) < ON).sum(axis=1) >= 1
-    chosen = np.flatnonzero(met & lies)
-    chosen = chosen[np.argsort(cost[chosen], kind="stable")][:MANY]
-    return Hands(places[chosen], turn[chosen]), start[chosen], cost[chosen]
+    return met & lies, places
 
 
 def _thumb(hand: Hand, field: Field, one: Hands, flexion: Array) -> tuple[Thumb, float]:
@@ -161,10 +214,12 @@ def until_it_touches(
     field: Field, middles: Array, inward: Array, radii: Array | float
 ) -> tuple[Array, NDArray[np.bool_]]:
     """How far (C) balls (C, B, 3) go along directions (C, 3) until one of each touches, and which do (C)."""
-    went = np.zeros(len(middles))
+    went, going = np.zeros(len(middles)), np.arange(len(middles))
     for _ in range(ROUNDS):
-        gap = (field.clearance(middles + went[:, None, None] * inward[:, None]) - radii).min(axis=1)
-        went = went + np.where(went < MISSED, gap, 0.0)
-        if (gap < CLOSE).all():
+        on = middles[going] + went[going, None, None] * inward[going, None]
+        gap = (field.clearance(on) - radii).min(axis=1)
+        went[going] += gap
+        going = going[(np.abs(gap) >= CLOSE) & (went[going] < MISSED)]
+        if not len(going):
             break
     return went, (went < MISSED) & (went > 0.0)

@@ -11,6 +11,7 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Cost, Holding, Trial, best
 from ahmss.grasping.hook import hook, until_it_touches
+from ahmss.motion.steps import Steps
 
 __all__ = ["THIN", "power"]
 
@@ -30,7 +31,7 @@ BACK = 0.13  # metres before the axis where the palm begins
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
-def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Holding | None:
+def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Steps[Holding | None]:
     """The best power grip about a site's z, the palm coming from where it is; fingers through a loop where it has one.
 
     Args:
@@ -44,13 +45,14 @@ def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None 
         The grip, which may not hold; None where the palm meets nothing on its way to the axis.
     """
     rotation = _level(grip, site[:3], rotate(site[3:], Z))
-    wrapped = _wrapped(hand, field, grip, site, rotation)
+    wrapped = yield from _wrapped(hand, field, grip, site, rotation)
     thick = abs(float(field.clearance(site[:3]))) > THIN  # full, or hollow: nothing there that fingers go around
     if wrapped is not None and wrapped.holds:
         brought = cost is None or bool(cost(wrapped.palm[None])[1][0])
         if thick or (brought and _is_around(hand, wrapped, site)):
             return wrapped
-    return hook(hand, field, rotation, site, cost) or wrapped
+    yield
+    return (yield from hook(hand, field, rotation, site, cost)) or wrapped
 
 
 def _is_around(hand: Hand, holding: Holding, site: Array) -> bool:
@@ -63,7 +65,7 @@ def _is_around(hand: Hand, holding: Holding, site: Array) -> bool:
     return aside < BESIDE_IT and float(holding.flexion.sum(axis=1).mean()) > AROUND
 
 
-def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array) -> Holding | None:
+def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array) -> Steps[Holding | None]:
     """The palm on the wall, fingers and thumb around it."""
     up = rotate(site[3:], Z)
     inward = rotate(rotation, X)
@@ -82,7 +84,8 @@ def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array
     hands = Hands(palms[:, :3] - turn @ hand.grip[:3], np.broadcast_to(turn, (len(palms), 3, 3)))
     cost = (2.0 * np.abs(INTO_FINGERS - INTO_FINGERS[0]) + 5.0 * np.abs(BESIDE))[met]
     rises, bends = (np.broadcast_to(row, (len(palms), len(row))) for row in (RISES, BENDS))
-    return best(hand, field, Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED))
+    trial = Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED)
+    return (yield from best(hand, field, trial))
 
 
 def _level(grip: Array, axis: Array, up: Array) -> Array:

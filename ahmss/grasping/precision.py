@@ -12,14 +12,16 @@ from ahmss.grasping.closing import PRECISION, THUMB_SLACK, Hands
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import ALONG, Hand, Thumb
 from ahmss.grasping.holding import Cost, Holding, Trial, best
+from ahmss.motion.steps import Steps
 
-__all__ = ["Way", "pinch", "precision", "thickness", "ways_to"]
+__all__ = ["PARTS", "Way", "pinch", "precision", "thickness", "ways_to"]
 
 DEPTHS = np.array([0.015, 0.01, 0.022, 0.006])  # metres behind where the shape begins
 SPAN = 0.11  # metres between the pads at the most
 STEP = 0.0005  # metres between places that are looked at along a line
 UPRIGHT = 0.8  # what it costs to close along the hand rather than across it
 SLANT, THIN = np.radians(30.0), 0.03  # how much aslant what is thinner than that may lie between the pads, metres
+PARTS = 3  # in which ways are looked for
 PADS = 2  # links that touch where the pads are well on it
 TILTS = np.radians([0.0, -25.0, 25.0, -50.0, 50.0, -75.0, 75.0, -90.0, 90.0])  # against the site's x, about its z
 TILTED, SITES, TRIED = (
@@ -32,7 +34,7 @@ PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
-def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Holding | None:
+def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Steps[Holding | None]:
     """The best precision grip at a site, thumb and fingers along its z, the hand coming along its x.
 
     Args:
@@ -47,8 +49,12 @@ def precision(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | N
         The grip, which may not hold; None where the shape is thicker than the hand spans, or is not there.
     """
     found: Holding | None = None
-    for way in _best_first(ways_to(hand, field, site, TILTS if cost is not None else TILTS[:1]), grip, cost)[:TRIED]:
-        holding = pinch(hand, field, way)
+    ways: list[Way] = []
+    for tilts in np.split(TILTS, PARTS) if cost is not None else (TILTS[:1],):
+        ways += ways_to(hand, field, site, tilts)
+        yield
+    for way in _best_first(ways, grip, cost)[:TRIED]:
+        holding = yield from pinch(hand, field, way)
         if holding is not None and holding.holds:
             return holding
         found = found or holding
@@ -87,11 +93,12 @@ def ways_to(hand: Hand, field: Field, site: Array, tilts: Array = TILTS) -> list
     return found
 
 
-def pinch(hand: Hand, field: Field, way: Way) -> Holding | None:
+def pinch(hand: Hand, field: Field, way: Way) -> Steps[Holding | None]:
     """The grip of a hand that comes a way, which may not hold; None where the shape is too thick."""
-    holding = _closed(hand, field, way, DEPTHS[:1])
+    holding = yield from _closed(hand, field, way, DEPTHS[:1])
     if holding is None or not holding.well(PADS):
-        holding = _closed(hand, field, way, DEPTHS)
+        yield
+        holding = yield from _closed(hand, field, way, DEPTHS)
     return holding
 
 
@@ -111,7 +118,7 @@ def _best_first(ways: list[Way], grip: Array, cost: Cost | None) -> list[Way]:
     return [ways[i] for i in np.argsort(own, kind="stable")]
 
 
-def _closed(hand: Hand, field: Field, way: Way, depths: Array) -> Holding | None:
+def _closed(hand: Hand, field: Field, way: Way, depths: Array) -> Steps[Holding | None]:
     """The best grip of those so deep (n); None where the shape is too thick."""
     tried = [_placed(hand, field, way.site, way.thumb, depth) for depth in depths]
     found = [(pose, rise, i) for i, one in enumerate(tried) if one is not None for pose, rise in [one]]
@@ -121,7 +128,8 @@ def _closed(hand: Hand, field: Field, way: Way, depths: Array) -> Holding | None
     rises = np.array([[rise] for _, rise, _ in found])
     bends, cost = np.full_like(rises, THUMB_SLACK), 0.05 * np.array([i for _, _, i in found], float)
     hands, curls = Hands(poses[:, :3], to_matrix(poses[:, 3:])), PRECISION[None]
-    return best(hand, field, Trial(hands, _palms(hand, poses), curls, rises, bends, cost, np.zeros_like(rises), PADS))
+    trial = Trial(hands, _palms(hand, poses), curls, rises, bends, cost, np.zeros_like(rises), PADS)
+    return (yield from best(hand, field, trial))
 
 
 def _palms(hand: Hand, poses: Array) -> Array:

@@ -15,12 +15,12 @@ from ahmss.body.arm_yielding import yielding
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.bearing import Bearing
 from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
-from ahmss.reaching.steps import Steps
 from ahmss.reaching.twist import handed_back, untwisted
 
 __all__ = ["AIMED", "FASTEST", "ArmOnWay", "farther", "fastest_of", "solved"]

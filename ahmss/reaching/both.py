@@ -14,13 +14,13 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import align, conjugate, from_axis_angle, multiply
+from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.leaning import EASY, STRETCHED, looking, overbent, stretch_of, sunk
 from ahmss.reaching.plan import Found, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.standing import Posture
-from ahmss.reaching.steps import Steps
 
 __all__ = ["Between", "posture_for_both"]
 

@@ -19,12 +19,12 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import MARGIN, gaps
 from ahmss.reaching.standing import Posture, Standing
-from ahmss.reaching.steps import Steps
 
 __all__ = ["Stretch", "looking", "overbent", "posture_for", "stretch_of", "sunk"]
 

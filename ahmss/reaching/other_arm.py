@@ -11,8 +11,8 @@ import numpy as np
 from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
+from ahmss.motion.steps import Steps
 from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.steps import Steps
 from ahmss.reaching.twist import handed_back, untwisted
 
 __all__ = ["other_arm"]

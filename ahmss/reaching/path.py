@@ -15,10 +15,10 @@ from scipy.interpolate import CubicSpline
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate, slerp
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import MARGIN, gaps
-from ahmss.reaching.steps import Steps
 
 __all__ = ["Curve", "clear_curves", "curves", "lifted", "sampled"]
 

@@ -13,12 +13,12 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX
+from ahmss.motion.steps import Steps
 from ahmss.reaching.arm_on_way import ArmOnWay, farther, fastest_of, solved
 from ahmss.reaching.bearing import SHAPED_BY, Bearing, Fingers, bearing_of
 from ahmss.reaching.other_arm import other_arm
 from ahmss.reaching.plan import Plan
 from ahmss.reaching.reacher import SIDES, Reacher
-from ahmss.reaching.steps import Steps
 
 __all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
 

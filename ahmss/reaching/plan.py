@@ -13,6 +13,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import across
 from ahmss.reaching.duration import reach_time
 from ahmss.reaching.goal import Goal, palms_of
@@ -22,7 +23,6 @@ from ahmss.reaching.prism import Prism, in_the_way, over_hand
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import Posture, Standing
-from ahmss.reaching.steps import Steps
 from ahmss.reaching.waist import bent_towards
 
 __all__ = ["HAND_BY", "Found", "Plan", "Reaching"]

@@ -16,6 +16,7 @@ from ahmss.algorithm.at_ease import resampled, times_at_ease
 from ahmss.algorithm.closing_carried import closing_carried
 from ahmss.algorithm.closing_way import fingers_at, moved_at, palms_at
 from ahmss.algorithm.grasping import Closing, closing, read_shape
+from ahmss.algorithm.meanwhile import waited
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import between, multiply, rotate, slerp
@@ -23,9 +24,11 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import Cylinder, closed, opened
+from ahmss.motion.steps import Steps
 
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers
+PLANNED, AT_ONCE = 0.07, 8  # share of the frames asked for that a plan may take, and parts of it made in each
 OPEN_BY = 0.55  # share of the time: the opened fingers clear of the wall
 GAZE = 4
 SPINE = 400.0  # its importance, a thousand times a walk's: what is left to that is given back when it ends, at once
@@ -49,19 +52,27 @@ def grasp(task: HumanTask) -> Iterator[Array]:
         yield _frames(task, side, shapes, (np.concatenate([places, turned], axis=-1), moved))
         return
     read_shape(task)
+    still = _frames(task, side, present[None], (grip.row()[None], np.zeros(1)))
     if task.length > 1:
-        yield _frames(task, side, present[None], (grip.row()[None], np.zeros(1)))
-        time = time[1:]
-    end = _closing(task, side, grip)
-    shapes = fingers_at(time, present, end.shape, end.wide, end.by)
+        yield still
+    rows = _closes(task, side, grip, still)
+    yield from closing_carried(task, side, rows) if task.carried else rows
+
+
+def _closes(task: HumanTask, side: str, grip: Transform, still: Array) -> Iterator[Array]:
+    """Frames (n, 260) of a hand that closes: those in which it is planned, still as the one (1, 260) before, and then.
+
+    The frames of a plan are taken of those that were asked for, or come on top where their number is but a wish.
+    """
+    wish, before = bool(task.message.wish), len(still) if task.length > 1 else 0
+    few = (None, 1) if wish else (int(PLANNED * task.length), AT_ONCE)
+    end, given = yield from waited(_closing(task, side, grip), still, *few)
+    length = task.length - before - (0 if wish else given)
+    time = np.linspace(before / task.length, 1.0, length + 1)[1:]
+    shapes = fingers_at(time, task.start.rotations[list(fingers(side))], end.shape, end.wide, end.by)
     palms = palms_at(time, grip.row(), end.palm.row(), end.out, end.by)
-    moved = moved_at(time, end.by)
-    rows = _frames(task, side, shapes, (palms, moved), end.spine)
-    if task.carried:
-        yield from closing_carried(task, side, rows)
-        return
-    times = times_at_ease(task, rows, fingers(side), wish=bool(task.message.wish))
-    yield resampled(rows, times)
+    rows = _frames(task, side, shapes, (palms, moved_at(time, end.by)), end.spine)
+    yield rows if task.carried else resampled(rows, times_at_ease(task, rows, fingers(side), wish=wish))
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:
@@ -71,7 +82,7 @@ def _back(task: HumanTask, grip: Transform) -> Array:
     return rotate(grip.rotation, np.array([-1.0, 0.0, 0.0]))
 
 
-def _closing(task: HumanTask, side: str, grip: Transform) -> Closing:
+def _closing(task: HumanTask, side: str, grip: Transform) -> Steps[Closing]:
     """Where the palm goes and what the fingers do.
 
     Raises:
@@ -80,7 +91,7 @@ def _closing(task: HumanTask, side: str, grip: Transform) -> Closing:
     if task.object is None:
         raise AlgorithmError("grasp needs an object")
     if task.object.shape is not None and task.parameter("diameter", 0.0) <= 0.0:
-        return closing(task, side, TOO_FAR)
+        return (yield from closing(task, side, TOO_FAR))
     radius, axis = _cylinder(task)
     end = _on_wall(grip, axis, radius, side)
     return Closing(end, closed(task.human, side, _seen_from_hand(task.human, side, end, axis, radius)), None)

@@ -16,8 +16,9 @@ import numpy as np
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.company import Watching, aside_of, settled
-from ahmss.algorithm.grasping import closing, read_shape
+from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.algorithm.margins import Margin, margins
+from ahmss.algorithm.meanwhile import waited
 from ahmss.algorithm.meeting import FACING, again, come_to
 from ahmss.algorithm.messages import Goal as MessageGoal
 from ahmss.algorithm.place import WorldObject
@@ -74,7 +75,9 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         yield rows
         if float(np.linalg.norm(task.object.place - begun.object.place)) < MOVED:
             break
-    closed = _closed(_held_at(task, sides, plan.palm, side, round(CLOSES * task.rate)), side, rows[-1])
+    closes = _held_at(task, sides, plan.palm, side, round(CLOSES * task.rate))
+    end, _ = yield from waited(closing(closes, side, TOO_FAR), rows[-1:])
+    closed = _closed(closes, side, end, rows[-1])
     yield closed
     pose = HumanPose.of(closed[-1])
     yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
@@ -176,9 +179,9 @@ def _opened(side: str) -> tuple[list[int], Array]:
     return list(fingers(side)), opened(side, thumb)
 
 
-def _closed(task: HumanTask, side: str, last: Array) -> Array:
+def _closed(task: HumanTask, side: str, end: Closing, last: Array) -> Array:
     """POSE rows (n, 260) in which the hand closes, the body as in the last row (260,) of the reach."""
-    end, n, hand = closing(task, side, TOO_FAR), task.length, list(fingers(side))
+    n, hand = task.length, list(fingers(side))
     rows = np.repeat(last[None], n, axis=0)
     time = np.arange(1, n + 1) / n
     rotations, targets = rows[:, 4:176].reshape(n, 43, 4), rows[:, 220:260].reshape(n, 5, 8)

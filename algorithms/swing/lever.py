@@ -11,8 +11,8 @@ from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.rolling import wrapped_at
 from ahmss.motion.fingers import Cylinder, closed
+from ahmss.motion.steps import Steps
 from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.steps import Steps
 
 DIAMETER, INTO_FINGERS = 0.022, 0.0165  # metres: of a lever that does not say; how far it lies towards the fingers
 PALM, SKIN = 0.0065, 0.003  # metres that palm and fingers are thicker than they are told to be

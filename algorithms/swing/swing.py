@@ -32,9 +32,9 @@ from ahmss.grasping.hand import Hand
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.motion.planting import feet
+from ahmss.motion.steps import Steps
 from ahmss.motion.way import staying, ways_of
 from ahmss.reaching.reacher import Reacher, seat
-from ahmss.reaching.steps import Steps
 from ahmss.reaching.waist import bent_towards
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing, stands_at

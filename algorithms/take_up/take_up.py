@@ -17,6 +17,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.castors import seat_of
+from ahmss.algorithm.meanwhile import waited
 from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
@@ -32,13 +33,13 @@ from ahmss.grasping.holding import Holding, opener
 from ahmss.grasping.power import power
 from ahmss.grasping.precision import precision
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.elbow import hangs, swung
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import looking
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
-from ahmss.reaching.steps import Steps
 
 BEFORE, LIFTS = 0.08, 0.05  # metres before the grip at which the open hand is set; by which it is lifted first
 COMES, CLOSES, HOLDS, RISES = 0.35, 0.35, 0.1, 0.3  # seconds
@@ -68,7 +69,7 @@ def take_up(task: HumanTask) -> Iterator[Array]:
     yield gaze.alone()
     grips: dict[str, Taking] = {}
     for side in sides_of(task):
-        grips |= _grips(task, side, task.site)
+        grips |= yield from gaze.during(_grips(task, side, task.site))
         yield gaze.alone()
     if not grips:
         raise AlgorithmError(f"no hand can close on {task.object.name} there; give the site another rotation")
@@ -106,7 +107,7 @@ def _planned(
     return task, gaze, reaching, (yield from planned(task, reaching, goal, gaze, prisms, off))
 
 
-def _grips(task: HumanTask, side: str, site: Transform) -> dict[str, Taking]:
+def _grips(task: HumanTask, side: str, site: Transform) -> Steps[dict[str, Taking]]:
     """How a hand takes it, by its side; empty where it can't."""
     thing = task.object
     assert thing is not None
@@ -119,9 +120,9 @@ def _grips(task: HumanTask, side: str, site: Transform) -> dict[str, Taking]:
     field = thing.shape.field(own.place)
     from_here = back.then(Transform(met.place - BEFORE * rotate(met.rotation, X), met.rotation)).row()
     if flat:
-        holding = precision(hand, field, from_here, back.then(site).row())
+        holding = yield from precision(hand, field, from_here, back.then(site).row())
     else:
-        holding = power(hand, field, from_here, own.row())
+        holding = yield from power(hand, field, from_here, own.row())
     if holding is None or not holding.holds:
         return {}
     palm = thing.frame.then(Transform.of(holding.palm))
@@ -175,7 +176,7 @@ def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> It
             _out_of_the_trunk(task, brought, plan, time)
         return brought
 
-    brought = yield from _meanwhile(work(), last)
+    brought, _ = yield from waited(work(), last)
     importance = np.maximum(brought.importance, made.importance[-1])
     yield at_ease(task, task.block(brought.rotations, brought.root, importance, brought.targets))
 
@@ -188,16 +189,6 @@ def _out_of_the_trunk(task: HumanTask, brought: Performed, plan: Plan, time: Arr
     present = reacher.arm.from_pose(plan.start.rotations[reacher.links])
     brought.rotations[:, reacher.links] = swung(reacher, palms, seat(task.human, seen, brought.root), present)
     brought.targets[:, reacher.row, :7] = palms
-
-
-def _meanwhile(work: Steps[Performed], row: Array) -> Generator[Array, None, Performed]:
-    """What work finds; in its pauses the same frame (1, 260) again."""
-    while True:
-        try:
-            next(work)
-        except StopIteration as end:
-            return end.value
-        yield row
 
 
 def _to_ear(task: HumanTask, reaching: Reaching, side: str) -> tuple[Transform, Array]:

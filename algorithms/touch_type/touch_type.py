@@ -28,12 +28,12 @@ from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vecto
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import FINGERS
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.both import Between, posture_for_both
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.standing import Standing
-from ahmss.reaching.steps import Steps
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing as Stance
 from ahmss.walking.journey import footing

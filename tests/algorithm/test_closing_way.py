@@ -15,6 +15,7 @@ from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import opener
 from ahmss.grasping.precision import precision
 from ahmss.motion.fingers import opened
+from ahmss.motion.steps import finished
 from tests.grasping.shapes import box, frame
 
 SITE = frame((0.0, 0.0, 0.07), (1, 0, 0), (0, -1, 0))
@@ -32,7 +33,7 @@ def way(request: pytest.FixtureRequest) -> tuple[Hand, Field, tuple[Array, Array
     """A hand before a box as its site is turned, the fingers down, which is to pinch it across."""
     hand, field = Hand.of(Skeleton.of(1.7), request.param), box_field()
     start = np.concatenate([[-0.07, 0.0, 0.07], SITE[3:]])
-    holding = precision(hand, field, start, SITE)
+    holding = finished(precision(hand, field, start, SITE))
     assert holding is not None
     assert holding.holds
     fingers = opened(request.param), holding.shape, opener(hand, holding)

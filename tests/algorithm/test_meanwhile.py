@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Generator
 
-from ahmss.algorithm.meanwhile import Thinking, alongside
-from ahmss.reaching.steps import Steps
+import numpy as np
+import pytest
+
+from ahmss.algorithm.meanwhile import Thinking, alongside, waited
+from ahmss.body.array import Array
+from ahmss.motion.steps import Steps
 
 
 def counting(parts: int, done: list[int]) -> Steps[str]:
@@ -38,3 +42,17 @@ def test_what_is_left_is_done_when_it_is_asked_for() -> None:
     assert thinking.found == "found"
     assert done == list(range(8))
     assert not thinking.part()
+
+
+@pytest.mark.parametrize(("most", "at_once", "given"), [(None, 1, 7), (None, 3, 2), (2, 1, 2), (0, 1, 0)])
+def test_frames_are_given_while_something_is_found(most: int | None, at_once: int, given: int) -> None:
+    done, row = list[int](), np.ones((1, 2))
+    found = list[tuple[str, int]]()
+
+    def work() -> Generator[Array, None, None]:
+        found.append((yield from waited(counting(7, done), row, most, at_once)))
+
+    for k, shown in enumerate(work(), 1):
+        assert shown is row
+        assert len(done) == k * at_once
+    assert found == [("found", given)]

@@ -77,7 +77,7 @@ def closed(close: Callable[[HumanTask, str, Array], Iterable[Array]]) -> tuple[A
 
 def test_the_elbow_is_swung_out_of_the_table_that_the_thing_stands_on() -> None:
     _, left = closed(lambda _task, _side, rows: rows)
-    arms, kept = closed(closing_carried)
+    arms, kept = closed(lambda task, side, rows: closing_carried(task, side, [rows]))
     assert left.min() < -0.004
     assert kept.min() > 0.0
     turned = 2.0 * np.degrees(np.arccos(np.clip(np.abs((arms[1:] * arms[:-1]).sum(axis=-1)), 0.0, 1.0)))

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from msgspec.structs import replace
 
-from ahmss.algorithm import Transform, frames, grasping
+from ahmss.algorithm import HumanPose, Transform, frames, grasping
 from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.algorithm.stepping import IMPORTANCE
 from ahmss.body.array import Array
@@ -21,6 +21,7 @@ from ahmss.body.quaternion import IDENTITY, conjugate, from_axis_angle, multiply
 from ahmss.database import Workspace
 from ahmss.errors import AlgorithmError
 from ahmss.grasping import power
+from ahmss.grasping.field import Field
 from ahmss.motion.fingers import Cylinder, closed
 from tests.grasping.shapes import outside, thing
 
@@ -28,6 +29,7 @@ from .scene import CUP, DOOR, WORKSPACE, Body, frame_of, program, record
 
 RADIUS, HEIGHT = 0.036, 0.095
 TAP = "room/sink/tap"
+MOST_POINTS = 100_000  # whose distances are had in a few milliseconds
 MIDDLE = [INDEX[f"right_middle_{segment}"] for segment in ("proximal", "intermediate", "distal")]
 
 
@@ -76,6 +78,40 @@ def test_no_bar_is_looked_for_where_a_hollow_thing_is_held_about_its_middle(monk
     body.do("grasp", body.start(CUP, "grasp"))
     assert not looked
     assert max(abs(gap) for gap in gaps(body, "right", frame_of(CUP)).values()) < 0.004
+
+
+@pytest.mark.parametrize("thing", ["cup", "bar", "box"])
+def test_a_grip_is_looked_for_in_parts_and_meanwhile_the_hand_is_still(thing: str, tmp_path: Path) -> None:
+    """None asks for the distances of more points than can be had within a frame."""
+    if thing == "box":
+        body, start, _, _ = before_a_box("ken", "right", tmp_path, (0.05, 0.06, 0.12))
+    elif thing == "bar":
+        body, start = at_site(DOOR, "lever", np.array([-0.07, 0.0, 0.0]))
+    else:
+        body = Body()
+        body.do("reach", body.start(CUP, "reach"))
+        start = body.start(CUP, "grasp")
+    asked, grip = list[int](), body.grip().place
+    clearance = Field.clearance
+
+    def counted(field: Field, points: Array) -> Array:
+        asked[-1] += points.size // 3
+        return clearance(field, points)
+
+    shown = list[HumanPose]()
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(Field, "clearance", counted)
+        playing = frames(program("grasp"), replace(start, frames=30, wish=True))
+        asked.append(0)
+        for pose in playing:
+            shown.append(pose)
+            asked.append(0)
+    assert max(asked) < MOST_POINTS
+    found = max(k for k, count in enumerate(asked) if count)
+    assert found > 2
+    for pose in shown[:found]:
+        np.testing.assert_allclose(pose.targets[0, :3], grip, atol=1e-9)
+    assert len(shown) >= 29 + found
 
 
 def test_a_thicker_object_bends_the_fingers_less() -> None:

@@ -10,7 +10,7 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.grasping.clear import first_clear
 from ahmss.grasping.hand import Hand
 from ahmss.motion.fingers import opened
-from ahmss.reaching.steps import finished
+from ahmss.motion.steps import finished
 
 
 class Floor:

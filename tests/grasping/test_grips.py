@@ -15,6 +15,7 @@ from ahmss.grasping.hand import FINGERS, Hand
 from ahmss.grasping.holding import Holding
 from ahmss.grasping.power import power
 from ahmss.grasping.precision import precision
+from ahmss.motion.steps import finished
 from tests.demo.skin import Skin
 
 from .shapes import WORKSPACE, field, outside, thing
@@ -37,10 +38,10 @@ def held(name: str, who: str, side: str) -> Holding | None:
     hand = Hand.of(WORKSPACE.humans.get(who).skeleton, side)
     if at.grip == "precision":
         grip = np.concatenate([at.site[:3] - 0.1 * rotate(at.site[3:], np.array([1.0, 0.0, 0.0])), at.site[3:]])
-        return precision(hand, field(name), grip, at.site)
+        return finished(precision(hand, field(name), grip, at.site))
     up = rotate(at.site[3:], np.array([0.0, 0.0, 1.0]))
     turned = from_matrix(np.stack([at.palm, np.cross(up, at.palm), up], axis=1))
-    return power(hand, field(name), np.concatenate([at.site[:3] - 0.1 * at.palm, turned]), at.site)
+    return finished(power(hand, field(name), np.concatenate([at.site[:3] - 0.1 * at.palm, turned]), at.site))
 
 
 @cache

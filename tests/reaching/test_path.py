@@ -8,11 +8,11 @@ import pytest
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.skeleton import Skeleton
+from ahmss.motion.steps import finished
 from ahmss.reaching.path import Curve, clear_curves, curves
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import MARGIN, gaps
-from ahmss.reaching.steps import finished
 
 SKELETON = Skeleton.of()
 ROTATIONS, ROOT = SKELETON.upright()
