@@ -10,24 +10,30 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import msgspec
 import numpy as np
 
-from ahmss.algorithm.grasping import ArmCost, field_at
+from ahmss.algorithm.grasping import ArmCost, closing_into, field_at
+from ahmss.algorithm.messages import PoseRecord
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
+from ahmss.body.inverse import solve
+from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
+from ahmss.errors import AlgorithmError
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Cost, Holding, opener
-from ahmss.grasping.power import THIN, power
+from ahmss.grasping.power import is_thick, power
 from ahmss.grasping.precision import PARTS, TILTED, TILTS, Way, pinch, ways_to
 from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import around_axis
 from ahmss.reaching.goal import Goal
+from ahmss.reaching.plan import Plan
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["Before", "goal_before", "grips_before"]
+__all__ = ["Before", "goal_before", "grips_before", "refused"]
 
 _BACK = np.array([0.05, 0.07, 0.09])  # metres by which the palm stays behind where it holds
 _CLEAR = 0.01  # metres that the open hand keeps there
@@ -42,6 +48,7 @@ class Before:
     side: str
     palm: Array
     fingers: Array
+    holding: Holding
 
     def turned_from(self, palm: Array) -> float:
         """Radians between its palm and one (7,)."""
@@ -62,7 +69,7 @@ def grips_before(task: HumanTask, sides: Sequence[str]) -> Steps[list[Before]]:
     site = thing.frame.inverse().then(task.site)
     field = field_at(task, site.place)
     pinched = thing.sites[task.message.site].grip == "precision"
-    if not pinched and abs(float(field.clearance(site.place))) > THIN:
+    if not pinched and is_thick(field, site.row()):
         return []
     found: list[tuple[float, Before]] = []
     for side in sides:
@@ -70,16 +77,30 @@ def grips_before(task: HumanTask, sides: Sequence[str]) -> Steps[list[Before]]:
         hand, cost = Hand.of(task.human, side), ArmCost(task, side).cost
         some = yield from _pinches(hand, field, site, cost) if pinched else _bars(task, hand, field, cost)
         for total, holding, inward in some:
-            fingers = opener(hand, holding) if holding.wide is None else holding.wide
+            opened = opener(hand, holding) if holding.wide is None else holding.wide
             palms = np.concatenate(
                 [holding.palm[:3] - _BACK[:, None] * inward, np.tile(holding.palm[3:], (len(_BACK), 1))], axis=1
             )
-            skin = np.array([hand.depth(field, palm[None], fingers[None]) for palm in palms])
+            skin = np.array([hand.depth(field, palm[None], opened[None]) for palm in palms])
             clear = np.flatnonzero(np.maximum(skin, hand.palm_depth(field, palms)) < -_CLEAR)
             if len(clear):
                 there = thing.frame.then(Transform.of(palms[clear[0]])).row()
-                found.append((total, Before(side, there, fingers)))
+                found.append((total, Before(side, there, opened, holding)))
     return [one for _, one in sorted(found, key=lambda one: one[0])]
+
+
+def refused(task: HumanTask, before: Before, plan: Plan) -> Steps[AlgorithmError | None]:
+    """Why the hand that has come there as planned can't close into the grip; None where it can."""
+    targets, rotations = np.zeros((5, 8)), plan.end.rotations.copy()
+    targets[plan.reacher.row, :7], targets[plan.reacher.row, 7] = plan.palm, 1.0
+    rotations[list(fingers(before.side))] = before.fingers
+    pose = PoseRecord.of(solve(task.human, rotations, plan.end.root, targets), plan.end.root)
+    there = HumanTask(msgspec.structs.replace(task.message, pose=pose, frames=0))
+    try:
+        yield from closing_into(there, before.side, before.holding, np.inf)
+    except AlgorithmError as error:
+        return error
+    return None
 
 
 _Grip = tuple[float, Holding, Array]  # what it costs, the grip, and the direction (3,) in which the hand comes to it

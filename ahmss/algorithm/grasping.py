@@ -22,7 +22,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import DEEP, Holding, opener
-from ahmss.grasping.power import power
+from ahmss.grasping.power import hooked, is_thick, power
 from ahmss.grasping.precision import SPAN, precision
 from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
@@ -94,15 +94,38 @@ def closing(task: HumanTask, side: str, most: float) -> Steps[Closing]:
     named = thing.sites.get(task.message.site)
     hand = Hand.of(task.human, side)
     arm = ArmCost(task, side)
-    if named is not None and named.grip == "precision":
+    pinched = named is not None and named.grip == "precision"
+    if pinched:
         holding = yield from precision(hand, field, grip.row(), site.row(), arm.cost)
     else:
         holding = yield from power(hand, field, grip.row(), site.row(), arm.cost)
     if holding is None or not holding.holds:
         raise AlgorithmError(_why(thing.name, holding))
     yield
-    palm = Transform.of(holding.palm)
-    spine = arm.spine_for(palm)
+    try:
+        return (yield from closing_into(task, side, holding, most))
+    except AlgorithmError:
+        if pinched or is_thick(field, site.row()):
+            raise
+        other = yield from hooked(hand, field, grip.row(), site.row(), arm.cost)
+        if other is None or not other.holds:
+            raise
+    return (yield from closing_into(task, side, other, most))
+
+
+def closing_into(task: HumanTask, side: str, holding: Holding, most: float) -> Steps[Closing]:
+    """The closing into a grip of the action's site, from where the hand is, on which that is not driven into it.
+
+    Raises:
+        AlgorithmError: the arm does not bring the hand there, it is farther away, or it would be driven into the object;
+            says by how much.
+    """
+    thing = task.object
+    assert thing is not None
+    to_object = thing.frame.inverse()
+    grip, palm = to_object.then(task.start.grip(side)), Transform.of(holding.palm)
+    field = field_at(task, to_object.then(task.site or thing.frame).place)
+    spine, hand = ArmCost(task, side).spine_for(palm), Hand.of(task.human, side)
     far = float(np.linalg.norm(palm.place - grip.place))
     if far > most:
         raise AlgorithmError(f"the palm is {far:.2f} m from where it holds {thing.name}; reach for it first")

@@ -25,7 +25,7 @@ SLANTS = np.radians([0.0, 15.0, -15.0])  # by which the hand lies askew of the b
 KNUCKLES, ENDS = np.radians([30.0, 10.0, 55.0]), np.radians([[12.0, 55.0], [12.0, 30.0], [75.0, 30.0], [75.0, 30.0]])
 THREE = 3  # of these, where the little finger stays straight: it does not go through
 ACROSS, NEAR, FAR = np.array([0.022, 0.032]), np.array([0.0, -0.013, 0.013]), np.array([-0.024, 0.024])
-TURNS = 1, 3, 6  # of these, counted from the best: tried alone, then together
+TURNS = 1, 3, 6  # of these, counted from how it is: tried alone, then together
 ARM = 0.2  # what counts of what a palm costs the arm
 MANY, SOME = 48, 2  # hands that are closed; of their balls every second counts as they come
 PLENTY, WELL = 3, 0.25  # fingers through the loop that are enough; what then is left over that another might gain
@@ -35,6 +35,8 @@ OPPOSITE = -0.3  # cosine between the normals under the links of a finger that g
 STRAIGHT = np.radians(10.0)
 LEAST = 2  # fingers through the loop
 OUTS, RISES, BENDS = (np.radians(a) for a in (np.arange(20.0, 90.0, 2.5), np.arange(0.0, 81.0, 16.0), [8.0, 30.0]))
+OPENS, RISEN = np.radians([22.0, 14.0, 7.0, 0.0, 32.0]), np.radians([0.0, -20.0, 20.0, -40.0, 40.0])  # of the thumb
+BEHIND = np.array([0.0, 0.01, 0.025, 0.05])  # metres before the bar, where an open thumb is looked at
 BACK, MISSED = 0.12, 0.17  # metres before the bar where the hand begins, and after which it has missed
 ROUNDS, CLOSE = 12, 1e-4  # of coming nearer; metres that are none
 X = np.array([1.0, 0.0, 0.0])
@@ -63,7 +65,7 @@ def hook(hand: Hand, field: Field, rotation: Array, site: Array, cost: Cost | No
     if cost is not None:
         of_arm, can = cost(palms)
         worth = worth + ARM * of_arm
-    order = np.argsort(worth, kind="stable")
+    order = np.append(0, 1 + np.argsort(worth[1:], kind="stable"))  # as it is first: a reach may have brought it so
     order = order[can[order]] if can.any() else order  # where it seems to take none its trunk may yet help it
     first, second, third, last = np.split(order, TURNS)
     for few, along in ((first, NEAR), (second, NEAR), (third, NEAR), (last, NEAR), (order[: TURNS[1]], FAR)):
@@ -128,7 +130,7 @@ def _held(hand: Hand, field: Field, closed: _Closed) -> Holding:
     palm = np.concatenate([one.place[0] + one.turn[0] @ hand.grip[:3], q_palm])
     balls = one.seen(hand.palm[None])
     depth = -min(float((field.clearance(balls) - hand.palm_radius).min()), float(fingers.gaps.min()), gap)
-    out = Thumb(np.minimum(thumb.out + THUMB_OPENS_BY, THUMB_MOST), thumb.rise, thumb.bend)
+    out = _opened(hand, field, one, thumb)
     return Holding(
         palm, hand.rotations(flexion, thumb), flexion, thumb, tuple(names), int(touching.sum()),
         float(_around(field, fingers).min()), max(depth, 0.0), hand.rotations(closed.start, out),
@@ -200,6 +202,21 @@ def _thumb(hand: Hand, field: Field, one: Hands, flexion: Array) -> tuple[Thumb,
     score += 2000.0 * (np.maximum(-gap - 0.3 * DEEP, 0.0) + np.maximum(-apart - DEEP, 0.0))
     i = int(score.argmin())
     return Thumb(out[i], rise[i], bend[i]), float(gap[i])
+
+
+def _opened(hand: Hand, field: Field, one: Hands, thumb: Thumb) -> Thumb:
+    """The thumb before it closes: of a few that are as far out as may be that which is clearest of the shape, there and
+    on the hand's way to it.
+    """
+    opens, rise = (a.ravel() for a in np.meshgrid(OPENS, thumb.rise + RISEN, indexing="ij"))
+    out = np.minimum(thumb.out + opens, THUMB_MOST)
+    balls, radii = hand.thumb_balls(Thumb(out, rise, np.full(len(out), thumb.bend)))
+    inward = one.turn[0] @ rotate(hand.grip[3:], X)
+    seen = one.seen(balls.reshape(1, -1, 3)).reshape(balls.shape) - BEHIND[:, None, None, None, None] * inward
+    gap = (field.clearance(seen) - radii).min(axis=(0, 2, 3))
+    against = 0.1 * (np.abs(opens - THUMB_OPENS_BY) + np.abs(rise - thumb.rise))
+    i = int((2000.0 * np.maximum(0.5 * DEEP - gap, 0.0) + against).argmin())
+    return Thumb(out[i], rise[i], thumb.bend)
 
 
 def _around(field: Field, fingers: Fingers) -> Array:

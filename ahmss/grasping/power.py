@@ -13,7 +13,7 @@ from ahmss.grasping.holding import Cost, Holding, Trial, best
 from ahmss.grasping.hook import hook, until_it_touches
 from ahmss.motion.steps import Steps
 
-__all__ = ["THIN", "power"]
+__all__ = ["hooked", "is_thick", "power"]
 
 # What is tried, the first alone where that will do: metres by which the axis lies before the palm's middle, towards the
 # fingers, and metres along the axis.
@@ -44,15 +44,23 @@ def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None 
     Returns:
         The grip, which may not hold; None where the palm meets nothing on its way to the axis.
     """
-    rotation = _level(grip, site[:3], rotate(site[3:], Z))
-    wrapped = yield from _wrapped(hand, field, grip, site, rotation)
-    thick = abs(float(field.clearance(site[:3]))) > THIN  # full, or hollow: nothing there that fingers go around
+    wrapped = yield from _wrapped(hand, field, grip, site, _level(grip, site[:3], rotate(site[3:], Z)))
     if wrapped is not None and wrapped.holds:
         brought = cost is None or bool(cost(wrapped.palm[None])[1][0])
-        if thick or (brought and _is_around(hand, wrapped, site)):
+        if is_thick(field, site) or (brought and _is_around(hand, wrapped, site)):
             return wrapped
     yield
-    return (yield from hook(hand, field, rotation, site, cost)) or wrapped
+    return (yield from hooked(hand, field, grip, site, cost)) or wrapped
+
+
+def hooked(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None = None) -> Steps[Holding | None]:
+    """The best grip of fingers that go around a bar along a site's z, the palm off it; arguments as of `power`."""
+    return hook(hand, field, _level(grip, site[:3], rotate(site[3:], Z)), site, cost)
+
+
+def is_thick(field: Field, site: Array) -> bool:
+    """Whether what is at a site (7,) is full, or hollow: nothing there that fingers go around."""
+    return abs(float(field.clearance(site[:3]))) > THIN
 
 
 def _is_around(hand: Hand, holding: Holding, site: Array) -> bool:

@@ -12,7 +12,7 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.before_grip import Before, goal_before, grips_before
+from ahmss.algorithm.before_grip import Before, goal_before, grips_before, refused
 from ahmss.algorithm.carried import reach_while_carried
 from ahmss.algorithm.grasping import read_shape
 from ahmss.algorithm.in_target import in_target
@@ -82,27 +82,35 @@ def _before_grip(
     """The frames of a hand that comes before a grip, open around what it will take: of a few the best.
 
     Raises:
-        AlgorithmError: it is out of reach; or none of the palms can be brought there clear of it: says by how much.
+        AlgorithmError: it is out of reach; or none of the palms can be brought there clear of it, or close then: says
+            by how much.
     """
     best: tuple[float, Performed, Before] | None = None
-    made = None
+    made, why = None, None
     for _ in range(_PINCHES):
         try:
             plan = yield from planned(task, reaching, goal_before(goal, left), gaze, prisms)
         except AlgorithmError:
-            if best is None:
+            if best is None and why is None:
                 raise
             break  # what is left is out of reach
         own = [one for one in left if one.side == plan.reacher.side]
         one = min(own, key=lambda one: one.turned_from(plan.palm))
+        left = [other for other in left if other is not one]
+        if error := (yield from gaze.during(refused(task, one, plan))):
+            why = why or error
+            if left:
+                continue
+            break
         made = yield from performed(task, reaching, plan, gaze, (list(fingers(one.side)), one.fingers))
         off, turned = _off(made)
         flaw = max(in_target(task, made) / _DEEP, off / _NEAR[0], turned / _NEAR[1])
         best = (flaw, made, one) if best is None or flaw < best[0] else best
-        left = [other for other in left if other is not one]
         if not left or (flaw < 1.0 and made.flaw < FLAW):
             break
-    assert best is not None
+    if best is None:
+        assert why is not None
+        raise why
     flaw, chosen, one = best
     if flaw > 1.0:
         raise AlgorithmError(_too_far_off(task, chosen))

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from msgspec.structs import replace
 
-from ahmss.algorithm import HumanPose, Transform
+from ahmss.algorithm import HumanPose, Transform, grasping
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS, fingers
@@ -24,7 +24,11 @@ from tests.grasping.shapes import box, lathe, mug, outside
 from .scene import WORKSPACE, Body
 
 DEEPEST = 0.002  # metres that skin may be in the thing, in any frame
-TOUCHES, OPPOSITE = 0.003, -0.6  # metres; cosine between the normals under the thumb and under the fingers
+TOUCHES, LOOSELY, OPPOSITE = (
+    0.003,
+    0.005,
+    -0.6,
+)  # metres, in a loop; cosine between the normals under the thumb and under the fingers
 AT, SITE = np.array([0.42, 0.0, 0.88]), SiteRecord((0.0, 0.0, 0.07), (0.5**0.5, 0.5**0.5, 0.0, 0.0), "", "precision")
 KNOB = [(0.0, 0.0), (0.012, 0.0), (0.012, 0.05), (0.025, 0.055), (0.025, 0.08), (0.0, 0.085)]
 UP = np.array([0.0, 0.0, 1.0])
@@ -148,19 +152,21 @@ def test_a_hand_whose_wrist_does_not_turn_so_far_is_refused_and_told_what_to_do(
         turned_away(folder)
 
 
-def before_a_mug(folder: Path, side: str, turn: float) -> tuple[Body, Start, Transform]:
+def before_a_mug(
+    folder: Path, side: str, turn: float, loop: tuple[float, float] = (0.046, 0.088), at: Array = AT
+) -> tuple[Body, Start, Transform]:
     """A human, a mug whose handle points ahead and that is turned then, and a reach for the handle."""
     home = folder / "objectdb" / "mug"
     home.mkdir(parents=True)
-    corners = mug(0.046, 0.088).reshape(-1, 3)
+    corners = mug(*loop).reshape(-1, 3)
     trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(home / "it.stl")
     (home / "object.toml").write_text('name = "mug"\nshape = "it.stl"\nunit = "m"\n')
     kept = Workspace(folder).objects.kept_shape("mug")
     assert kept is not None
-    body, frame = Body("ken", facing=0.0), Transform(AT, from_axis_angle(UP, np.array(np.radians(turn))))
-    ahead = {"handle": SiteRecord((0.095, 0.0, 0.06), (1.0, 0.0, 0.0, 0.0), "z", "power")}
+    body, frame = Body("ken", facing=0.0), Transform(at, from_axis_angle(UP, np.array(np.radians(turn))))
+    ahead = {"handle": SiteRecord((0.049 + loop[0], 0.0, 0.06), (1.0, 0.0, 0.0, 0.0), "z", "power")}
     record = ObjectRecord(
-        5, "mug", "mug", tuple(AT.tolist()), tuple(frame.rotation.tolist()), ahead, {"diameter": 0.085}, {},
+        5, "mug", "mug", tuple(at.tolist()), tuple(frame.rotation.tolist()), ahead, {"diameter": 0.085}, {},
         shape=ShapeRecord(str(kept[0]), kept[1]),
     )  # fmt: skip
     start = Start(
@@ -183,6 +189,33 @@ def test_a_handle_behind_its_mug_is_taken_from_beside_it(side: str, tmp_path: Pa
     on = {LINKS[link].split("_")[1] for link in of.link[chosen[gaps < TOUCHES]].tolist()} - {"hand"}
     assert "thumb" in on
     assert len(on) >= 3, on
+
+
+@pytest.mark.parametrize(
+    ("loop", "turn", "at"), [((0.025, 0.06), -60.0, AT), ((0.046, 0.088), -45.0, np.array([0.42, -0.15, 0.88]))]
+)
+def test_what_is_reached_for_can_be_grasped(loop: tuple[float, float], turn: float, at: Array, tmp_path: Path) -> None:
+    """The open thumb stays out of a narrow loop; where a palm on the bar can't close, the fingers go through it."""
+    body, start, frame = before_a_mug(tmp_path, "right", turn, loop, at)
+    body.do("reach", start)
+    shown = body.do("grasp", replace(start, pose=PoseRecord.of(body.rotations, body.root), frames=30, wish=True))
+    of, near = skin("ken"), mug(*loop)
+    chosen = np.flatnonzero(np.isin(of.link, [INDEX["right_hand"], *fingers("right")]))
+    for pose in [*shown[::10], shown[-1]]:
+        gaps = outside(seen(of, pose, frame, chosen), near, LOOSELY)
+        assert gaps.min() > -DEEPEST, LINKS[of.link[chosen[gaps.argmin()]]]
+    on = {LINKS[link].split("_")[1] for link in of.link[chosen[gaps < LOOSELY]].tolist()} - {"hand"}
+    assert "thumb" in on
+    assert len(on) >= 3, on
+
+
+def test_what_could_not_be_grasped_then_is_not_reached_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    body, start, _ = before_a_mug(tmp_path, "right", 0.0)
+    monkeypatch.setattr(grasping, "closing_depth", lambda *_: np.array([-0.01, 0.0054, 0.0]))
+    with pytest.raises(
+        AlgorithmError, match="the right hand would be 5 mm in mug as it closes; reach for it from else"
+    ):
+        body.do("reach", start)
 
 
 @pytest.mark.parametrize(("side", "turn"), [("right", 90.0), ("left", -90.0)])
