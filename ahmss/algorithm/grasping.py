@@ -117,7 +117,7 @@ def closing_into(task: HumanTask, side: str, holding: Holding, most: float) -> S
     """The closing into a grip of the action's site, from where the hand is, on which that is not driven into it.
 
     Raises:
-        AlgorithmError: the arm does not bring the hand there, it is farther away, or it would be driven into the object;
+        AlgorithmError: the arm does not bring the hand there, it is farther away, or would be driven into it;
             says by how much.
     """
     thing = task.object
