@@ -67,11 +67,11 @@ sentence = "How far the head bows."
 _TOML = """\
 kind = "{kind}"
 argv = {argv}
-sentence = "{sentence}"
+sentence = "{sentence}"    # write here what it does: people read it
 world = "none"                 # or "near", "all": which other objects it wants to see
 {parameters}"""
 
-_SENTENCES = {"human": "Bows the head; write here what it does.", "object": "Goes with the hand; write what it does."}
+_SENTENCES = {"human": "Bows the head and raises it again.", "object": "Goes with the hand."}
 
 
 def new_algorithm(workspace: Workspace, name: str, kind: str = "human", language: str = "python") -> Path:

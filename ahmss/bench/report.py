@@ -29,14 +29,15 @@ def missed(report: Mapping[str, Any]) -> list[str]:
 
 
 def show(report: Mapping[str, Any]) -> None:
-    """Print the table."""
+    """Print the table of what was measured."""
     table = Table(title="Measured against the thesis (2000) and the numbers to reach")
     table.add_column("what")
     for column in ("thesis", "reach", "measured"):
         table.add_column(column, justify="right")
     table.add_column("")
-    for cells in _rows(report):
-        table.add_row(*cells)
+    for goal, cells in zip(GOALS, _rows(report), strict=True):
+        if look_up(report, goal.key) is not None:
+            table.add_row(*cells)
     Console().print(table)
 
 

@@ -16,7 +16,7 @@ from ahmss.bench.report import has_goals, markdown, show
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 
-__all__ = ["MEASURES", "PICTURE", "main", "measure"]
+__all__ = ["MEASURES", "PICTURE", "main", "measure", "named"]
 
 PICTURE = Path("out") / "scale.png"
 """Where the plot of `--scale` goes; the documentation's is drawn where it was asked for by name."""
@@ -105,6 +105,20 @@ MEASURES: dict[str, Callable[[Workspace], dict[str, Any]]] = {
 }
 
 
+_REPORTED = {
+    "start_ms": "start", "compute_fps": "compute", "display_fps": "display", "display_fps_live": "display",
+    "latency_ms": "latency", "body_us_per_human": "body", "lookup_us": "lookup", "memory_mb": "memory",
+    "start_ms_of": "starts", "shown_fps": "shown",
+}  # fmt: skip
+"""What else they are called: by what stands in the report."""
+
+
+def named(name: str) -> str:
+    """The one of MEASURES that a name means: its own, or one of its report, as `compute_fps` or `compute_fps.walk`."""
+    first = name.partition(".")[0]
+    return _REPORTED.get(first, first)
+
+
 def measure(names: Sequence[str], workspace: Workspace) -> dict[str, Any]:
     """The report of some of MEASURES; one that can't be made says why on standard error and is left out."""
     report: dict[str, Any] = {}
@@ -132,7 +146,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--judge", action="store_true", help="the actions of table 5.9, measured beside real capture")
     parser.add_argument("--script", type=Path, help="what is played to be judged; left out: the scenario")
     options = parser.parse_args(arguments)
-    unknown = [name for name in options.what if name not in MEASURES]
+    unknown = [name for name in options.what if named(name) not in MEASURES]
     if unknown:
         parser.error(f"nothing to measure called {', '.join(unknown)}; there is: {', '.join(MEASURES)}")
     workspace = Workspace.find()
@@ -144,7 +158,7 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     if options.judge:
         return _judge(workspace, options)
-    names = options.what or list(MEASURES)
+    names = list(dict.fromkeys(map(named, options.what))) or list(MEASURES)
     report = measure(names, workspace)
     if options.json:
         print(json.dumps(report, indent=2))

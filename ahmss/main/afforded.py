@@ -25,7 +25,7 @@ from ahmss.main.description import Scene
 from ahmss.states.condition import Condition
 from ahmss.world.schema import ObjectRecord
 
-__all__ = ["Actor", "Meant", "meant", "offered", "reach", "why_not"]
+__all__ = ["Actor", "Meant", "meant", "offered", "reach", "sentence_of", "why_not"]
 
 _AHEAD = 0.1  # metres that an arm which reaches ahead comes less high than one that is straight up
 
@@ -135,6 +135,16 @@ def _otherwise(what: Meant, actor: Actor, when: Condition, now: Mapping[str, str
 def _is_seat(kind: ObjectKind) -> bool:
     """Whether it is had by sitting on it: taken, but in no hand."""
     return any(one.hold == "take" and one.needs.get("free_hands", 1.0) == 0.0 for one in kind.affordances.values())
+
+
+def sentence_of(workspace: Workspace, kind: ObjectKind, affordance: Affordance) -> str:
+    """What an action is, in a sentence: as its object's file says, or where that says nothing as its algorithm does."""
+    if affordance.sentence or affordance.of:
+        return affordance.sentence
+    try:
+        return workspace.algorithms.find(affordance.human_algorithm, kind.directory).sentence
+    except AhmssError as error:  # its file is broken: that is what there is to say of it
+        return str(error)
 
 
 def offered(what: Meant, actor: Actor) -> bool:

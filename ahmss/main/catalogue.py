@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
-from ahmss.main.afforded import Actor, meant, offered
+from ahmss.main.afforded import Actor, meant, offered, sentence_of
 from ahmss.main.communication import Communication
 from ahmss.main.company import KIND
 from ahmss.main.database import find_object
@@ -54,7 +54,9 @@ class WorldCatalogue:
             except AhmssError:  # what contained it is gone, or its file is broken: it is no choice now
                 continue
             if offered(what, actor):
-                entries.append((action.name, action.sentence or what.affordance.sentence))
+                entries.append(
+                    (action.name, action.sentence or sentence_of(self._workspace, what.kind, what.affordance))
+                )
         return Listing(f"what {full} affords", tuple(entries))
 
     def kinds(self) -> Listing:

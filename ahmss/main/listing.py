@@ -17,6 +17,7 @@ from ahmss.database.objects import Listing
 from ahmss.database.records import AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
+from ahmss.main.afforded import sentence_of
 
 __all__ = ["check_workspace", "list_workspace", "show_table"]
 
@@ -32,7 +33,7 @@ def list_workspace(what: str, directory: Path | None, *, as_json: bool) -> None:
         if what not in workspace.objects.names():
             names = ", ".join(("objects", "humans", "algorithms", *workspace.objects.names()))
             raise CommandError(f'nothing called "{what}" to list; there is: {names}')
-        tables = {what: _actions(workspace.objects.get(what))}
+        tables = {what: _actions(workspace, workspace.objects.get(what))}
     else:
         tables = {name: read(workspace) for name, read in readers.items() if what in ("", name)}
     if as_json:
@@ -111,10 +112,10 @@ def _algorithms(workspace: Workspace) -> Rows:
     return rows
 
 
-def _actions(kind: ObjectKind) -> Rows:
+def _actions(workspace: Workspace, kind: ObjectKind) -> Rows:
     return [
         {
-            "action": action.name, "sentence": action.sentence, "asks": ", ".join(action.asks),
+            "action": action.name, "sentence": sentence_of(workspace, kind, action), "asks": ", ".join(action.asks),
             "frames": action.frames,
             "algorithms": f"as its {action.of} affords it"
             if action.of

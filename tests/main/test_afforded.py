@@ -17,6 +17,7 @@ from ahmss.main.afforded import Actor, meant, why_not
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.database import Database
+from ahmss.main.listing import list_workspace
 from ahmss.world.schema import ObjectRecord
 
 SHIPPED = Workspace(Path(__file__).resolve().parents[2])
@@ -186,3 +187,21 @@ def test_an_action_that_is_meant_is_named_also_where_it_is_a_part_that_affords_i
         meant(SHIPPED, room, "room/sink", "turn")  # type: ignore[arg-type]
     with pytest.raises(CommandError, match=r'room/cup does not afford "eat"; it affords: reach, grasp, '):
         meant(SHIPPED, room, "room/cup", "eat")  # type: ignore[arg-type]
+
+
+def test_an_action_without_a_sentence_is_listed_by_that_of_its_algorithm(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for file, text in {
+        "objectdb/lamp/object.toml": 'name = "lamp"\n[affordances.greet]\nhuman_algorithm = "bow"\n',
+        "algorithms/bow/algorithm.toml": 'kind = "human"\nargv = ["python", "bow.py"]\nsentence = "Bows the head."\n',
+        "algorithms/bow/bow.py": "",
+    }.items():
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text(text)
+    workspace = Workspace(tmp_path)
+    room = Room(workspace, "lamp")
+    listing = WorldCatalogue(workspace, room, ken).actions("lamp")  # type: ignore[arg-type]
+    assert listing.entries == (("greet", "Bows the head."),)
+    list_workspace("lamp", tmp_path, as_json=False)
+    assert "greet\tBows the head." in capsys.readouterr().out
