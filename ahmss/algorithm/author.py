@@ -138,19 +138,19 @@ def serve(function: Function, channel: Channel) -> None:
     try:
         while (message := channel.read()) is not None and message[0] != Kind.STOP:
             if message[0] == Kind.REST:
-                performance.task.rests = True
+                performance.task.progress.rests = True
                 continue
             if message[0] != Kind.FRAME:
                 raise ProtocolError(f"a message of kind {message[0]} where FRAME or STOP was expected")
             if not performance.step(_numbers(message[1])):
-                channel.write(*_notes(performance), encode(Kind.DONE))
+                channel.write(*_news(performance), encode(Kind.DONE))
                 return
             _answer(channel, performance, kind)
             if performance.over:
                 return
     except Exception:
-        if notes := _notes(performance):
-            channel.write(*notes)
+        if news := _news(performance):
+            channel.write(*news)
         raise
     finally:
         performance.close()
@@ -166,7 +166,7 @@ def _numbers(payload: memoryview) -> Array:
 def _answer(channel: Channel, performance: Performance, kind: Kind) -> None:
     """Send what changed and what is noted, the pose, and DONE behind the last one, all in one write."""
     row = performance.row
-    parts = [*_notes(performance), HEADER.pack(row.nbytes, kind), row.data.cast("B")]
+    parts = [*_news(performance), HEADER.pack(row.nbytes, kind), row.data.cast("B")]
     if performance.states and performance.task.object is not None:
         parts.insert(0, encode_state(State(performance.task.object.id, dict(performance.states))))
     if performance.over:
@@ -174,9 +174,10 @@ def _answer(channel: Channel, performance: Performance, kind: Kind) -> None:
     channel.write(*parts)
 
 
-def _notes(performance: Performance) -> list[bytes | memoryview]:
-    """The messages of what the function has noted."""
-    return [encode(Kind.NOTE, text.encode()[:4096]) for text in performance.news()]
+def _news(performance: Performance) -> list[bytes | memoryview]:
+    """The messages of what the function has noted, and that it is where it acts."""
+    notes: list[bytes | memoryview] = [encode(Kind.NOTE, text.encode()[:4096]) for text in performance.news()]
+    return [*notes, encode(Kind.ARRIVED)] if performance.arrived() else notes
 
 
 def _line(error: Exception) -> str:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
 
+from ahmss.algorithm.facing import faced
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
-from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 
@@ -56,26 +57,24 @@ class Watching:
 
     @classmethod
     def of(cls, task: HumanTask) -> Watching | None:
-        """The human that a motion is made to; None where it is made to nobody, or is oneself.
+        """The human that a motion is made to; None where it is made to nobody, or is oneself."""
+        whom = task.goal_object if task.object is not None and task.object.kind != "human" else task.object
+        if whom is None or _EYES not in whom.sites or whom.states.get("oneself") == "yes":
+            return None
+        return cls(task, whom)
+
+    @classmethod
+    def faced(cls, task: HumanTask) -> Generator[Array, None, tuple[HumanTask, Watching | None]]:
+        """The task of who faces whom it is made to, after turning around (n, 272) to who is behind; and the gaze.
 
         Raises:
-            AlgorithmError: they are behind one's back; says what to do.
+            AlgorithmError: they are behind one's back, and one can't turn; says why.
         """
-        whom = task.goal_object if task.object is not None and task.object.kind != "human" else task.object
-        if whom is None or _EYES not in whom.sites:
-            return None
-        at, _ = floor_frame(task.start.rotations, task.start.root)
-        if whom.states.get("oneself") == "yes":
-            return None
-        watching = cls(task, whom)
-        aside = aside_of(task, watching.eyes)
-        if abs(aside) > _BEHIND and not task.carried:
-            bearing = np.degrees(np.arctan2(*(whom.place - at)[1::-1]))
-            raise AlgorithmError(
-                f"{whom.name} is {np.degrees(abs(aside)):.0f} degrees aside, behind the back; turn first: "
-                f"`do floor turn facing {bearing:.0f}`"
-            )
-        return watching
+        watching = cls.of(task)
+        if watching is None:
+            return task, None
+        task = yield from faced(task, watching.eyes, _BEHIND, watching.whom.name)
+        return task, cls(task, watching.whom)
 
     @property
     def eyes(self) -> Array:

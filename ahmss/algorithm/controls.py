@@ -124,8 +124,16 @@ def stood_before(
     Raises:
         AlgorithmError: no place to stand serves; says by how much the arm is too short from the best.
     """
+    task, gaze = yield from _stood(task, goal, prisms, Looking(task, goal.place) if gaze is None else gaze)
+    task.arrived()
+    return task, gaze
+
+
+def _stood(
+    task: HumanTask, goal: Goal, prisms: Sequence[Prism], gaze: Looking
+) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """As `stood_before`, before that is told."""
     assert task.object is not None
-    gaze = Looking(task, goal.place) if gaze is None else gaze
     if task.library is None:
         return task, gaze
     reaching = Reaching(task.human, task.start.rotations, task.start.root)

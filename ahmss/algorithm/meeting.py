@@ -62,7 +62,7 @@ def come_to(
         courteous: look first whether they come.
 
     Raises:
-        AlgorithmError: there is no way, or one does not stand.
+        AlgorithmError: there is no way, or one does not stand. Rested: one was to come to rest.
     """
     held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy or "-")) and link.endswith(_ARM)]
     for _ in range(_TRIES):
@@ -75,12 +75,13 @@ def come_to(
         place, facing = _goal(task, whom, apart, beside=beside)
         trip = Trip(
             task.human, walk_library(task), ground_of(task), place, facing, others=partial(walkers, task),
-            note=task.note,
+            note=task.note, rests=lambda: task.rests,
         )  # fmt: skip
         for piece in trip.pieces(task.present.rotations.copy(), task.present.root.copy()):
             rows = rows_of(task, piece)
             rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
             yield from in_time(piece, rows)
+        task.refuse_rest()
 
 
 def _distance(task: HumanTask, whom: WorldObject) -> float:
@@ -163,7 +164,7 @@ def again(task: HumanTask, **fields: object) -> HumanTask:
     world = [_now(record, task.world[record.id]) for record in start.world if record.id in task.world]
     now = {"pose": pose, "object": thing, "goal": goal, "world": world}
     made = HumanTask(msgspec.structs.replace(start, **(now | fields)))
-    made.notes = task.notes
+    made.notes, made.progress = task.notes, task.progress
     return made
 
 

@@ -4,7 +4,8 @@
 
 Main writes START once, then FRAME k for each frame it wants, then STOP, or REST first where the motion is to come to
 rest; the algorithm answers READY to START and POSE k
-(an object algorithm OBJECT k) to FRAME k. STATE, NOTE, DONE and ERROR come from it when there is something to say.
+(an object algorithm OBJECT k) to FRAME k. STATE, NOTE, ARRIVED, DONE and ERROR come from it when there is something
+to say.
 START, READY and STATE are JSON, NOTE and ERROR are text; FRAME, POSE and OBJECT are blocks of float64, laid out by the
 tables below. docs/protocol.md is written from this module.
 """
@@ -74,6 +75,7 @@ class Kind(IntEnum):
     DONE = 20
     ERROR = 21
     NOTE = 22
+    ARRIVED = 23
 
 
 # --- blocks of float64 ------------------------------------------------------------------------------------------------

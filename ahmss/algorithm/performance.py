@@ -10,7 +10,7 @@ import numpy as np
 
 from ahmss.algorithm.messages import OBJECT, POSE, WAY, Start, size
 from ahmss.algorithm.pose import HumanPose, ObjectPose
-from ahmss.algorithm.task import HumanTask, ObjectTask
+from ahmss.algorithm.task import HumanTask, ObjectTask, Rested
 from ahmss.body.array import Array
 from ahmss.errors import ShapeError
 
@@ -39,7 +39,7 @@ class Performance:
         self._answers: Iterator[Answer] | None = None
         self._block = np.zeros((0, narrow))
         self._next = 0
-        self._noted = 0
+        self._noted, self._arrived = 0, False
         self._whole = False  # the block is all that will come
         self._told = dict(self.task.object.states) if self.task.object is not None else {}
         self.row = self._row
@@ -73,6 +73,11 @@ class Performance:
         first, self._noted = self._noted, len(self.task.notes)
         return self.task.notes[first:]
 
+    def arrived(self) -> bool:
+        """Whether the function has said since the last call, for the first time, that it is where it acts."""
+        before, self._arrived = self._arrived, self.task.progress.arrived
+        return self._arrived and not before
+
     def close(self) -> None:
         """Let the function's `finally` run."""
         close = getattr(self._answers, "close", None)
@@ -85,7 +90,10 @@ class Performance:
             result = self._function(self.task)
             self._whole = isinstance(result, np.ndarray)
             self._answers = iter([result] if isinstance(result, np.ndarray) else result)
-        answer = next(self._answers, None)
+        try:
+            answer = next(self._answers, None)
+        except Rested:
+            return False
         if answer is None:
             return False
         if isinstance(answer, np.ndarray):

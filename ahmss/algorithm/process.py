@@ -21,7 +21,7 @@ from ahmss.algorithm.stream import Inbound, Log, Outbound
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError, ProtocolError
 
-__all__ = ["AlgorithmProcess", "Answer", "Deadlines", "Done", "Message", "Note", "Phase"]
+__all__ = ["AlgorithmProcess", "Answer", "Arrived", "Deadlines", "Done", "Message", "Note", "Phase"]
 
 _FRAME_NUMBER = struct.Struct("<d")
 _POSE_BYTES = (8 * size(POSE), 8 * size(POSE + WAY))
@@ -65,7 +65,11 @@ class Note(NamedTuple):
     text: str
 
 
-Message = Answer | State | Note | Done
+class Arrived(NamedTuple):
+    """The motion is where it acts: what it moves is claimed from now on."""
+
+
+Message = Answer | State | Note | Arrived | Done
 
 
 class Deadlines(msgspec.Struct, frozen=True):
@@ -82,7 +86,7 @@ class AlgorithmProcess:
 
         process.ask(encode_frame(...))
         launcher.wait([process], 0.016)
-        for message in process.receive(): ...      # Answer, State, Note, Done; raises AlgorithmError once
+        for message in process.receive(): ...      # Answer, State, Note ...; raises AlgorithmError once
 
     name: the algorithm's. human: whether it moves the human. phase: see Phase. pending: the frame asked for and not
     yet answered, or 0. last: the last frame answered. failure: the AlgorithmError that ended it, or None. ended: its
@@ -270,13 +274,15 @@ class AlgorithmProcess:
             self._greeted()
         elif kind == Kind.DONE:
             self._done()
+        elif kind == Kind.ARRIVED:
+            self._inbox.append(Arrived())
         elif kind == Kind.NOTE:
             self._note(_line(payload))
         elif kind == Kind.ERROR:
             said = _line(payload)
             self.fail(said or "it failed without saying why", said)
         else:
-            allowed = f"READY, {self._kind.name}, STATE, NOTE, DONE and ERROR"
+            allowed = f"READY, {self._kind.name}, STATE, NOTE, ARRIVED, DONE and ERROR"
             hint = "does it print to its standard output?"
             raise ProtocolError(f"it sent a message of kind {kind}; {allowed} are allowed ({hint})")
 

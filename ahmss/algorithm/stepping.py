@@ -170,6 +170,7 @@ def stepped(
 
     Raises:
         AlgorithmError: it is too far, or somebody stands in the way; says what to do.
+        Rested: one was to come to rest, and stands.
     """
     library, start = walk_library(task), task.start
     standing = Standing.of(task.human, library)
@@ -184,8 +185,9 @@ def stepped(
     held = _held(task)
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, others=partial(walkers, task), note=task.note,
-        held=task.busy,
+        held=task.busy, rests=lambda: task.rests,
     )  # fmt: skip
+    task.refuse_rest()
     for piece in trip.pieces(start.rotations, start.root):
         rows = rows_of(task, piece)
         rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
@@ -194,6 +196,7 @@ def stepped(
             arms.keep(shown)
         rotations[: piece.rotations.shape[1]], root = piece.rotations[shown - 1], piece.root[shown - 1]
         rotations[held] = start.rotations[held]
+    task.refuse_rest()
     return Stance(rotations, root)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -25,10 +26,25 @@ from ahmss.motion.clip import Clip
 from ahmss.motion.way import known
 from ahmss.walking.library import Library
 
-__all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Task"]
+__all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Progress", "Rested", "Task"]
 
 _HUMAN, _MOVED = size(FRAME_HUMAN), size(MOVED)
 Value = TypeVar("Value", bool, int, float, str)
+
+
+class Rested(Exception):
+    """A motion that was to come to rest has done so: it ends here, and nothing is wrong."""
+
+
+@dataclass
+class Progress:
+    """How far a motion is, whatever copies of its task there are.
+
+    rests: it is to come to rest now, and to end. arrived: it is where it acts.
+    """
+
+    rests: bool = False
+    arrived: bool = False
 
 
 class HumanFrame:
@@ -67,7 +83,7 @@ class Task:
     rate: frames a second. hand: "right", "left" or "". hold: what the action does to the object. random: numpy's
     generator, seeded by main. object: the target, or None. world: the other objects that algorithm.toml asked for, by
     id. notes: what `note` was told. start: the human at frame 0; present: at the frame being computed.
-    rests: whether the motion is to come to rest now and end, where its algorithm.toml says that it can.
+    progress: how far the motion is.
     """
 
     def __init__(self, start: Start) -> None:
@@ -80,12 +96,35 @@ class Task:
         self.directory = Path(start.directory)
         self.object = WorldObject.of(start.object) if start.object is not None else None
         self.notes: list[str] = []
-        self.rests = False
+        self.progress = Progress()
         self.world = {record.id: WorldObject.of(record) for record in start.world}
         about = [thing for thing in (self.goal_object, self.object) if thing is not None]
         self._about = {thing.id: thing for thing in about}
         told = [*about, *(thing for thing in self.world.values() if thing.kind == "human")]
         self._sites = {site.id: thing for thing in told for site in thing.sites.values() if site.id}
+
+    @property
+    def rests(self) -> bool:
+        """Whether the motion is to come to rest now and end, where its algorithm.toml says that it can."""
+        return self.progress.rests
+
+    def arrived(self) -> None:
+        """Say that one is where one acts: now what it moves is claimed, where algorithm.toml says `arrives = true`.
+
+        Raises:
+            Rested: one was to come to rest meanwhile; not to be caught.
+        """
+        self.refuse_rest()
+        self.progress.arrived = True
+
+    def refuse_rest(self) -> None:
+        """End the motion here where it was to come to rest: one stands.
+
+        Raises:
+            Rested: it was; not to be caught.
+        """
+        if self.progress.rests:
+            raise Rested
 
     @property
     def busy(self) -> tuple[str, ...]:

@@ -55,6 +55,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     accompanies: bool = False
     stretches: bool = False
     rests: bool = False
+    arrives: bool = False
     arms: bool = False
     fewest: float = 0.0
     parameters: dict[str, dict[str, Any]] = {}
@@ -138,7 +139,7 @@ class AlgorithmFinder:
             raise document.error(("arms",), "asks where the other humans' arms are; add `humans = true`")
         if not 0.0 <= top.fewest <= 1.0:
             raise document.error(("fewest",), f"{top.fewest:g} is no share of the action's frames; allowed: 0 to 1")
-        body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests, top.arms, top.fewest)
+        body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests, top.arrives, top.arms, top.fewest)
         asks = (top.world, top.footprints, top.humans, top.shape, *body)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 

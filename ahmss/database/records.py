@@ -139,6 +139,8 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     stretches: whether it takes longer than its action's frames, where these are too few and nobody asks for so many.
     fewest: the share of its action's frames that it takes at least, where somebody asks for fewer.
     rests: whether its motion comes to rest where it is to be given up, rather than to end with the next frame.
+    arrives: whether it comes to where it acts first, and says so: what it moves is claimed then, and where it is to be
+    given up on its way it comes to rest.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -157,6 +159,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     ways: bool = False
     stretches: bool = False
     rests: bool = False
+    arrives: bool = False
     arms: bool = False
     fewest: float = 0.0
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import State
-from ahmss.algorithm.process import Answer, Note
+from ahmss.algorithm.process import Answer, Arrived, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, AlgorithmError, CommandError, Unreachable, WorldError
@@ -109,7 +109,7 @@ class Control:
         Given up once more, those end at once, too.
         """
         for motion in list(self._motions):
-            rests = motion.given is not None and motion.order.human_algorithm.rests and motion.rests is None
+            rests = motion.given is not None and motion.can_rest and motion.rests is None
             if rests and motion.process is not None and motion.process.active:
                 motion.rests = round(_RESTS * self._rate)
                 motion.process.rest()
@@ -259,7 +259,8 @@ class Control:
             if self._waits(motion):
                 return
             self._database.check(order, seen, actor)
-            motion.mover = self._claim(order)
+            motion.met = self._as_it_is(order)
+            motion.mover = None if self._comes_first(motion) else self._claim(order)
             self._carry(motion)
             start = self._database.start(
                 order, "human", seen, actor, self._next_seed(), self._rate, carried=motion.carried
@@ -283,6 +284,8 @@ class Control:
             CommandError: it has waited long enough.
         """
         order, holder = motion.order, ""
+        if order.patience and self._comes_first(motion):
+            return False
         record = self._communication.world.objects.get(order.object)
         if record is not None and not order.whom and order.object not in self._movers:
             holder = record.holder if record.holder != self._communication.human else ""
@@ -297,6 +300,37 @@ class Control:
             self._communication.wait_for(order.object)
         motion.waited += 1
         return True
+
+    def _comes_first(self, motion: Motion) -> bool:
+        """Whether it claims what it moves only when it has come there, so that nobody who stands before it waits."""
+        order = motion.order
+        claims = order.object_algorithm is not None and order.affordance.hold in ("", "take")
+        return claims and motion.comes and order.object not in self._movers
+
+    def _as_it_is(self, order: Order) -> tuple[object, ...]:
+        """What a motion is planned from: where its object is, and in which states."""
+        record = self._communication.world.objects.get(order.object)
+        if record is None:
+            return ()
+        return (*self._communication.pose(order.object).tolist(), *sorted(record.states.items()))
+
+    def _arrive(self, motion: Motion) -> None:
+        """It has come to where it acts: what it moves is claimed, and planned for anew where it is otherwise by now."""
+        claims, order = self._comes_first(motion), motion.order
+        motion.arrived = True
+        if motion.rests is not None:  # it was to come to rest before it came
+            self._drop(motion)
+        if motion.rests is not None or not claims:
+            return
+        try:
+            self._database.check(order, self._communication, self._actor())
+        except AhmssError as error:
+            self._fail(motion, str(error))
+            return
+        if self._as_it_is(order) == motion.met:
+            motion.mover = self._claim(order)
+        else:
+            motion.begin_anew()
 
     def _carry(self, motion: Motion) -> None:
         """Of motions made together the one that takes the body elsewhere has its legs; once carried, always carried."""
@@ -366,10 +400,7 @@ class Control:
         motion = motions[0]
         if motion.waited >= motion.order.patience * self._rate:
             return False
-        if motion.process is not None:
-            motion.process.stop()
-        motion.process = motion.mover = motion.given = None
-        motion.k, motion.countdown = 0, _SEEN
+        motion.begin_anew(_SEEN)
         self._silence(mover)
         self._forget(mover)
         return True
@@ -467,6 +498,10 @@ class Control:
                     self._change_states(message)
                 elif isinstance(message, Note):
                     self._tell(motion.order, message.text)
+                elif isinstance(message, Arrived):
+                    self._arrive(motion)
+                    if motion.process is not process or motion not in self._motions:
+                        return
                 else:
                     motion.over = True
         except AhmssError as error:
@@ -516,6 +551,9 @@ class Control:
     def _end(self, motion: Motion) -> None:
         """A motion is complete."""
         self._motions.remove(motion)
+        if motion.rests is not None:
+            self._drop(motion)
+            return
         if motion.process is not None:
             motion.process.stop()
         if motion.mover is not None and motion.lets_go:

@@ -154,6 +154,7 @@ class Motion:
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame.
         closing: it would be over, but the algorithm of what it moves is late. held: how many frames came too late.
+        arrived: it has come to where it acts. met: how what it is about was as it began.
         waited: for how many frames another has had what it is about. rests: for how many more it may come to rest.
     """
 
@@ -167,6 +168,8 @@ class Motion:
         self.company: tuple[str, ...] = ()
         self.beside: tuple[str, ...] = ()
         self.passes: Pending | int | None = None
+        self.met: tuple[object, ...] = ()
+        self.arrived = False
         self.k = 0
         self.carried = False
         self.over = self.closing = False
@@ -178,6 +181,16 @@ class Motion:
     def carries(self) -> bool:
         """Whether it takes the body elsewhere."""
         return self.order.human_algorithm.carries
+
+    @property
+    def comes(self) -> bool:
+        """Whether it is still to come to where it acts."""
+        return self.order.human_algorithm.arrives and not self.arrived
+
+    @property
+    def can_rest(self) -> bool:
+        """Whether it comes to rest where it is to be given up now."""
+        return self.order.human_algorithm.rests or self.comes
 
     @property
     def accompanies(self) -> bool:
@@ -202,6 +215,13 @@ class Motion:
     def keeps(self, name: str) -> bool:
         """Whether it is made with that object in the hand."""
         return self.order.object == name and self.order.affordance.hold in ("keep", GIVE)
+
+    def begin_anew(self, countdown: int = 0) -> None:
+        """Start it again from how the body is, so many frames later."""
+        if self.process is not None:
+            self.process.stop()
+        self.process = self.mover = self.given = None
+        self.k, self.countdown = 0, countdown
 
     def take(self, row: Array) -> None:
         """Its next frame has come."""

@@ -39,6 +39,7 @@ def check(task: HumanTask) -> Iterator[Array]:
     gaze = Looking(task, task.site.place)
     if task.library is not None and not task.carried and not _legible(task):
         task, gaze = yield from gone_to(task, _stand(task), gaze)
+    task.arrived()
     length = hurried(task, round((TURNS + task.parameter("seconds", 1.5)) * task.rate))
     frames = gaze.frames + np.arange(1.0, length + 1.0)
     importance = np.zeros(44)

@@ -30,14 +30,15 @@ _X, _Y, _Z = np.eye(3)
 
 
 def gesture(task: HumanTask) -> Iterator[Array]:
-    """Frames (1, 260): as many as the gesture takes, or as were asked for."""
+    """Frames (1, 260): as many as the gesture takes, or as were asked for; who is behind is turned to first."""
     which = task.parameter("which", "nod")
     made = GESTURES.get(which)
     if made is None:
         raise AlgorithmError(f'no gesture "{which}"; there are: {", ".join(GESTURES)}')
+    task, watching = yield from Watching.faced(task)
+    task.arrived()
     length = hurried(task, max(round(made.seconds * task.rate), 1))
     time = np.arange(1, length + 1) / length * made.seconds
-    watching = Watching.of(task)
     rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)
     if watching is None:
         yield rows

@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.facing import faced
 from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.body.array import Array
@@ -36,6 +37,7 @@ EYE = 0.032  # metres from between the eyes to one of them
 TURNS_FROM, TURNS, BEHIND = np.radians([40.0, 45.0, 125.0])  # the trunk turns along from, up to; nobody points back
 BRISK = 0.75  # of the time that a reach at ease takes: a sign is made with decision
 FIRST = 3  # frames in which the motion is worked out
+OVERHEAD = 0.3  # metres level: what is nearer is above or below, and behind nobody
 TRIES = 4  # of aim and arm, each of which depends a little on the other
 
 
@@ -44,6 +46,9 @@ def point(task: HumanTask) -> Iterator[Array]:
     if task.carried:
         raise AlgorithmError("one points standing; walk first, then point")
     target = _target(task)
+    if float(np.hypot(*(target - task.start.root)[:2])) > OVERHEAD:
+        task = yield from faced(task, target, BEHIND, task.object.name if task.object is not None else "it")
+    task.arrived()
     gaze = Looking(task, target)
     yield gaze.alone()
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
@@ -80,16 +85,10 @@ def _target(task: HumanTask) -> Array:
 
 
 def _aimed(task: HumanTask, reaching: Reaching, target: Array) -> tuple[str, Posture, Array]:
-    """The hand, the posture that the trunk turns to, and palms (n, 7) whose fingertip is on the line of sight.
-
-    Raises:
-        AlgorithmError: the target is behind.
-    """
+    """The hand, the posture that the trunk turns to, and palms (n, 7) whose fingertip is on the line of sight."""
     skeleton, base = task.human, reaching.base
     off = target - base.root
     aside = (np.arctan2(off[1], off[0]) - heading_of(base.rotations, base.root) + np.pi) % (2.0 * np.pi) - np.pi
-    if abs(aside) > BEHIND and float(np.hypot(off[0], off[1])) > 0.3:
-        raise AlgorithmError(f"it is {np.degrees(abs(aside)):.0f} degrees aside, behind the back; turn to it first")
     sides = sides_of(task)
     side = sides[0] if len(sides) == 1 or aside < np.radians(25.0) else "left"
     turn = np.sign(aside) * np.clip(abs(aside) - TURNS_FROM, 0.0, TURNS)

@@ -9,15 +9,17 @@ import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, importance_of, run
 from ahmss.algorithm.company import Watching
+from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.errors import AlgorithmError
 
 CARES = 0.5  # the head's importance: a walk's is a sixth of it
 
 
-def regard(task: HumanTask) -> Iterator[HumanPose]:
-    """A frame for each that is asked for."""
-    watching = Watching.of(task)
+def regard(task: HumanTask) -> Iterator[HumanPose | Array]:
+    """A frame for each that is asked for; who is behind one's back is turned to first."""
+    task, watching = yield from Watching.faced(task)
+    task.arrived()
     if watching is None:
         raise AlgorithmError("look at whom? name another human")
     importance = importance_of({"head": CARES})

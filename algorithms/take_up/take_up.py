@@ -76,6 +76,7 @@ def take_up(task: HumanTask) -> Iterator[Array]:
     goal = Goal(task.site.place, palms={side: taking.palms for side, taking in grips.items()})
     into = rotate(task.site.rotation, X)
     task, gaze, reaching, plan = yield from _planned(task, goal, -BEFORE * into, gaze)
+    task.arrived()
     side = plan.reacher.side
     grip = Transform(plan.palm[:3] + BEFORE * into, plan.palm[3:])
     links, holding = list(fingers(side)), grips[side].holding

@@ -16,6 +16,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.castors import Seated, drawn_up, heading_of, rolled_to, seat_of
 from ahmss.algorithm.controls import before, begun_at, front_of, gone_to
+from ahmss.algorithm.elbow_room import awaited
 from ahmss.algorithm.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
 from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far, tell_missed
 from ahmss.algorithm.reaching import Looking, prisms_of
@@ -66,9 +67,15 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError('type what? add text="..."')
     hands = {side: TypingHand.of(task.human, side, keys) for side in SIDES}
     task, gaze = yield from _stood(task)
+    task.arrived()
     yield gaze.alone()
     plans = yield from _planned(task, hands, strokes, gaze)
     made, typing = yield from _made(task, hands, plans, strokes, gaze)
+    waited = False
+    for side in SIDES:  # who works beside them is not reached through
+        waited = (yield from awaited(task, made, side, gaze)) or waited
+    if waited and made.looked < 1.0:  # the eyes have gone on
+        made, typing = yield from _made(task, hands, plans, strokes, gaze)
     rows = task.block(made.rotations, made.root, made.importance, made.targets)
     first = len(rows) - len(typing.time)
     _tell_missed_keys(task, typing.missed(task, made, first), len({stroke.key.name for stroke in strokes}))

@@ -199,7 +199,7 @@ def test_somebody_is_looked_at_wherever_they_go_and_nodded_to_there() -> None:
         (
             "wave",
             {"whom": (-2.0, 0.1)},
-            "mari is 17[0-9] degrees aside, behind the back; turn first: `do floor turn facing 17[0-9]`",
+            "mari is 17[0-9] degrees aside, behind the back; turn to it first",
         ),
     ],
 )

@@ -1,0 +1,146 @@
+"""Who goes to where they act has what they act on when they are there, and comes to a stand where they are stopped."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from ahmss.main.process import MainProcess
+from ahmss.world.process import ServerProcess
+from tests.main.conftest import write_algorithm
+from tests.main.ground import steps
+
+Start = Callable[..., ServerProcess]
+Join = Callable[..., MainProcess]
+Two = tuple[MainProcess, MainProcess]
+
+VISIT = '''
+import itertools
+from ahmss.algorithm import HumanTask, run
+
+def visit(task: HumanTask):
+    """A centimetre a frame for a metre, unless it is there; told to rest it stands ten frames later."""
+    rests = 0
+    while task.present.root[0] < 1.0 and rests < 10:
+        rests += task.rests
+        root = task.present.root.copy()
+        root[0] += 0.01
+        yield task.pose({}, root)
+    task.arrived()
+    task.note(f"the lid is {task.object.states['lid']}")
+    for _ in range(30):
+        yield task.pose({}, task.present.root.copy())
+
+run(visit)
+'''
+CARRIED = '[affordances.fetch]\nhuman_algorithm = "visit"\nobject_algorithm = "carry"\nframes = 0\n'
+
+
+@pytest.fixture
+def two(server: Start, join: Join, workspace: Path) -> Two:
+    """A box, and two that are a metre away."""
+    write_algorithm(workspace, "visit", "human", "arrives = true\ncarries = true\n", VISIT)
+    file = workspace / "objectdb" / "box" / "object.toml"
+    file.write_text(f"{file.read_text()}\n{CARRIED}")
+    here = server()
+    ken, aiko = join(here), join(here, "aiko", body="aiko", place=(0.0, 1.0))
+    add(ken, "add box as b at 1.2 0.5 1")
+    go_on((ken, aiko), lambda: ken.agenda.done and "b" in aiko.communication.world.objects)
+    return ken, aiko
+
+
+def add(main: MainProcess, *lines: str) -> None:
+    for step in steps(*lines):
+        main.agenda.add(step)
+
+
+def go_on(mains: Two, until: Callable[[], bool]) -> None:
+    end = time.monotonic() + 20.0
+    while not until():
+        assert time.monotonic() < end, [main.report.messages for main in mains]
+        for main in mains:
+            main.frame()
+        time.sleep(0.002)
+
+
+def walked(main: MainProcess) -> float:
+    return float(main.blending.root[0])
+
+
+def holder(main: MainProcess) -> str:
+    return main.communication.world.objects["b"].holder
+
+
+def test_who_is_on_the_way_leaves_it_to_who_is_there(two: Two) -> None:
+    ken, aiko = two
+    add(aiko, "do b fetch")
+    go_on(two, lambda: walked(aiko) > 0.3)
+    assert holder(ken) == ""
+    add(ken, "do b take frames 20 patience=0", "do b drop frames 10")
+    go_on(two, lambda: ken.agenda.done)
+    assert walked(aiko) < 1.0
+    go_on(two, lambda: aiko.agenda.done)
+    assert ken.report.messages == aiko.report.messages == []
+
+
+def test_who_comes_to_what_is_taken_waits_there_and_says_so(two: Two) -> None:
+    ken, aiko = two
+    add(ken, "do b take frames 20")
+    go_on(two, lambda: holder(aiko) == "ken")
+    add(aiko, "do b fetch")
+    go_on(two, lambda: walked(aiko) > 0.99)
+    for _ in range(60):
+        for main in two:
+            main.frame()
+    assert not aiko.agenda.done
+    assert "b fetch: waits for ken, who has b" in aiko.report.notes
+    add(ken, "do b drop frames 10")
+    go_on(two, lambda: holder(ken) == "aiko")
+    assert walked(aiko) < 1.02  # from there, and not once more
+    go_on(two, lambda: aiko.agenda.done)
+    assert aiko.report.messages == []
+
+
+def test_where_nobody_would_wait_it_is_refused_before_a_step(two: Two) -> None:
+    ken, aiko = two
+    add(ken, "do b take frames 20")
+    go_on(two, lambda: holder(aiko) == "ken")
+    add(aiko, "do b fetch patience=0")
+    go_on(two, lambda: aiko.agenda.done)
+    assert aiko.report.messages == ["b fetch: b is held by ken"]
+    assert walked(aiko) < 0.01
+
+
+def test_what_has_changed_on_the_way_is_planned_for_as_it_is_now(two: Two) -> None:
+    ken, aiko = two
+    add(aiko, "do b fetch")
+    go_on(two, lambda: walked(aiko) > 0.3)
+    add(ken, "set b lid open")
+    go_on(two, lambda: aiko.agenda.done)
+    assert "b fetch: the lid is open" in aiko.report.notes
+    assert aiko.report.messages == []
+
+
+def test_who_is_stopped_on_the_way_comes_to_a_stand(two: Two) -> None:
+    _, aiko = two
+    add(aiko, "do b fetch")
+    go_on(two, lambda: walked(aiko) > 0.3)
+    aiko.stop_motion()
+    before = walked(aiko)
+    go_on(two, lambda: aiko.agenda.done)
+    assert 0.09 < walked(aiko) - before < 0.15
+    assert aiko.report.notes == aiko.report.messages == []
+    assert holder(aiko) == ""
+
+
+def test_who_is_stopped_once_there_stops_at_once(two: Two) -> None:
+    _, aiko = two
+    add(aiko, "do b fetch")
+    go_on(two, lambda: holder(aiko) == "aiko")
+    aiko.stop_motion()
+    aiko.frame()
+    assert not aiko.control.busy
+    go_on(two, lambda: holder(aiko) == "")
