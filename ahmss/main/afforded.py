@@ -98,6 +98,9 @@ def why_not(what: Meant, actor: Actor, title: str = "") -> str:
     known = {HELD: held, ONESELF: "yes" if record.kind == KIND and what.name == actor.name else "no"}
     if affordance.when is not None and not affordance.when.holds({**states, **known}):
         return f"{title}: {_otherwise(what, actor, affordance.when, states | known)}"
+    if affordance.hold == "take" and mine:
+        has = "sits on" if _is_seat(what.kind) else "holds"
+        return f"{title}: {actor.name} {has} it already"
     lacks = _lacks(affordance, actor) or ("" if mine else _too_high(what, actor))
     if lacks:
         return f"{title}: {lacks}"
@@ -108,9 +111,6 @@ def why_not(what: Meant, actor: Actor, title: str = "") -> str:
         if record.holder == actor.name:
             by = "; it was let go just now"
         return f"{title}: {actor.name} does not hold it{by}"
-    if affordance.hold == "take" and mine:
-        has = "sits on" if _is_seat(what.kind) else "holds"
-        return f"{title}: {actor.name} {has} it already"
     return ""
 
 

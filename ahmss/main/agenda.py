@@ -15,7 +15,7 @@ from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
 from ahmss.main.company import KIND
 from ahmss.main.comparing import Comparison
 from ahmss.main.database import find_object
-from ahmss.main.joined import longest, refuse_two_carriers, title
+from ahmss.main.joined import lasting, refuse_two_carriers, title
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest
@@ -205,10 +205,8 @@ class Agenda:
         orders = main.database.orders(line.acts, main.communication, actor)
         refuse_two_carriers(orders)
         main.control.begin(orders)
-        seconds = longest(orders) / self._setup.rate
-        known = all(order.frames for order in orders)
         self._doing, self._failures = title(orders), main.control.failures
-        self._announcement = f"{self._doing}: {seconds:.1f} s" if known else f"{self._doing}: as long as it needs"
+        self._announcement = f"{self._doing}: {lasting(orders, self._setup.rate)}"
         self._announced_at = main.report.frames + round(_REFUSED_IN * self._setup.rate)
 
     def _wait(self, line: Wait, step: Step) -> None:

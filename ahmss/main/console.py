@@ -24,6 +24,7 @@ _NAP = 0.01
 _COMMANDS = ("help", "undo", "list", "stop", "quit")
 _HELP = """\
 Answer the question, or type a whole line:
+  do floor walk to cup                  walk to an object, or a place: to 1.2 0.5
   do cup grasp                          one motion
   do cup reach with television look     two motions at once (fused)
   do cup put to 0.42 -0.15 0.88         with a goal

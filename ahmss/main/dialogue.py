@@ -22,6 +22,7 @@ __all__ = ["Catalogue", "Dialogue", "Listing", "Question"]
 
 _KEYWORDS = frozenset({"do", "add", "remove", "set", "wait", "sync", "human"})
 _FOR_SOMEBODY = re.compile(r"\s*[^\s:]+\s*:")
+_FEW = 12  # names that are said once more to who answers nothing
 _YES, _NO = ("yes", "y"), ("no", "n", "")
 
 
@@ -250,8 +251,10 @@ def _choose(text: str, names: Sequence[str], what: str) -> str:
     meant = [name for name in names if name.endswith(f"/{text}")] if text else []
     if len(meant) == 1:
         return meant[0]
+    if not text and len(names) > _FEW:
+        raise CommandError(f"which {what}? type a name of the list (`list` shows the objects again), or help")
     if not text:
-        raise CommandError(f"which {what}? there are: {', '.join(names) or 'none'}")
+        raise CommandError(f"which {what}? there are: {some(names)}")
     if meant:
         raise CommandError(f'which "{text}"? there are: {", ".join(meant)}')
     near = nearest(text, names)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ahmss.errors import CommandError
 from ahmss.main.database import Order
 
-__all__ = ["longest", "refuse_two_carriers", "title"]
+__all__ = ["lasting", "refuse_two_carriers", "title"]
 
 
 def refuse_two_carriers(orders: Sequence[Order]) -> None:
@@ -30,7 +30,15 @@ def title(orders: Sequence[Order]) -> str:
     return "".join(joined).removeprefix(" with ")
 
 
-def longest(orders: Sequence[Order]) -> int:
+def lasting(orders: Sequence[Order], rate: float) -> str:
+    """How long they take, in words; who says itself when it is over keeps to what was asked for where that will do."""
+    seconds = f"{_longest(orders) / rate:.1f} s"
+    if not all(order.frames for order in orders):
+        return "as long as it needs"
+    return f"{seconds}, or as long as it needs" if any(order.wish for order in orders) else seconds
+
+
+def _longest(orders: Sequence[Order]) -> int:
     """Frames until the last of them is over."""
     ends: list[int] = []
     for order in orders:

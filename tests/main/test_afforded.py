@@ -175,6 +175,7 @@ def test_who_has_it_and_what_hands_are_full_of_is_said_in_words() -> None:
     room.held("room/cup", "aiko")
     assert refusal(room, "cup", "reach", ken()) == "room/cup reach: aiko has it"
     full = ken(room__cup="left", a="right")
+    assert refusal(room, "cup", "grasp", full) == "room/cup grasp: ken holds it already"
     takes = "room/television/switch press: it takes a free hand, and ken holds room/cup and a; put that down first"
     assert refusal(room, "television/switch", "press", full) == takes
 

@@ -439,4 +439,4 @@ def test_a_note_comes_after_what_it_is_about(ken: MainProcess) -> None:
     ken._say = told.append
     x, y, _ = ken.blending.root.tolist()
     ken.play(steps(f"do b stroll to {x + 0.5} {y} frames 20"))
-    assert told == ["b stroll: 0.3 s", "b stroll: 20 frames are few", "b stroll: done"]
+    assert told == ["b stroll: 0.3 s, or as long as it needs", "b stroll: 20 frames are few", "b stroll: done"]
