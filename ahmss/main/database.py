@@ -90,14 +90,18 @@ class Database:
     def walks(self) -> list[tuple[AlgorithmEntry, Path]]:
         """The algorithms of motions that say themselves when they are over, and the motion data of these."""
         found: dict[Path, AlgorithmEntry] = {}
+        owned: set[Path] = set()
         for name in self.workspace.objects.names():
             with contextlib.suppress(AhmssError):  # a broken file hides its own kind only; who names it is told
                 kind = self.workspace.objects.get(name)
                 for affordance in kind.affordances.values():
                     if affordance.frames == 0 and affordance.motion is not None:
                         entry = self.workspace.algorithms.find(affordance.human_algorithm, kind.directory)
-                        if affordance.motion not in found or affordance.motion.parent == kind.directory:
+                        own = affordance.motion.parent == kind.directory
+                        if affordance.motion not in found or (own and affordance.motion not in owned):
                             found[affordance.motion] = entry  # whose motion it is, rather than who steps with it
+                        if own:  # what the kind says first, rather than what is said of every kind
+                            owned.add(affordance.motion)
         return [(entry, motion) for motion, entry in found.items()]
 
     def order(self, act: Act, scene: Scene, actor: Actor) -> Order:
