@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -15,8 +14,9 @@ from ahmss.algorithm.messages import State
 from ahmss.algorithm.process import Answer, Arrived, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
-from ahmss.errors import AhmssError, AlgorithmError, CommandError, Unreachable, WorldError
+from ahmss.errors import AhmssError, AlgorithmError, CommandError
 from ahmss.main.blending import Blending, Contribution
+from ahmss.main.claims import Claims, refusal, wants_free
 from ahmss.main.communication import Communication
 from ahmss.main.company import beside, met, numbers
 from ahmss.main.database import Actor, Database, Order
@@ -53,9 +53,8 @@ class Control:
         self._database, self._communication, self._launcher, self._say = database, communication, launcher, say
         self._note, self._actor, self._rate, self._seed = note, actor, rate, seed
         self._motions: list[Motion] = []
-        self._movers: dict[str, Mover] = {}
+        self._claims = Claims(communication, actor)
         self._showing = Showing(database.workspace, communication)
-        self._passing: list[tuple[Mover, Pending]] = []  # what was on its way when its motion was given up
         self._number = 0
         self._moved = NOTHING
         self.failures = 0
@@ -74,12 +73,12 @@ class Control:
         waiting = [motion for motion in self._motions if motion.process is None and motion.countdown == 0]
         if any(motion.follows not in self._motions for motion in waiting):
             return True
-        return any(mover.claim is not None for mover in self._movers.values())
+        return self._claims.asking
 
     @property
     def holds(self) -> dict[str, str]:
         """The objects that were taken, each with the hand that holds it ("": none, it is sat on)."""
-        return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes and not mover.awaits}
+        return self._claims.holds
 
     @property
     def contributions(self) -> list[Contribution]:
@@ -118,11 +117,8 @@ class Control:
 
     def reconcile(self) -> None:
         """Give up what the server says this human has no longer, as after a restart that lost the claim."""
-        granted = [mover for mover in self._movers.values() if mover.granted]
-        held = self._communication.held() if granted else None
-        for mover in granted:
-            if held is not None and mover.name not in held:
-                self._give_up(mover)
+        for mover in self._claims.lost():
+            self._give_up(mover)
 
     def foresee(self, kinds: Iterable[str]) -> None:
         """Have what hands will ask of the shapes of some kinds made, where it is not kept yet, beside all else."""
@@ -136,13 +132,9 @@ class Control:
 
     def start_due(self) -> None:
         """Start the motions whose time has come, and ask them for their first frame."""
-        for mover in list(self._movers.values()):
-            if mover.granted and self._holder(mover):
-                self._give_up(mover)
-        for mover, passes in [(mover, passes) for mover, passes in self._passing if passes.done]:
-            self._passing.remove((mover, passes))
-            if _refusal(passes):
-                self._take_back(mover)
+        for mover in self._claims.taken_away():
+            self._give_up(mover)
+        self._claims.settle_what_was_on_its_way()
         for motion in list(self._motions):
             self._check_company(motion)
             if motion.rests is not None:
@@ -158,8 +150,9 @@ class Control:
                 motion.countdown -= 1
             elif motion.process is None:
                 self._start(motion)
-        if self._movers:
-            self._grant()
+        for mover, reason in self._claims.granting(self._begin_to_move):
+            if not self._wait_again(mover, reason):
+                self._refuse(mover, reason)
 
     def ask_humans(self) -> None:
         """Ask every human algorithm for its next frame."""
@@ -177,7 +170,7 @@ class Control:
 
     def see(self, blending: Blending) -> None:
         """Take in the human's pose and what moved, for the frames that are asked for next."""
-        self._showing.see(blending, self._moved, self._motions, self._movers.values())
+        self._showing.see(blending, self._moved, self._motions, self._claims.movers)
 
     def collect_humans(self, patience: float) -> None:
         """Take the frames that the human algorithms have made, waiting at most `patience` seconds for the last."""
@@ -192,7 +185,7 @@ class Control:
         """Show the human's new frame to the object algorithms; one that is late is shown it later, none left out."""
         self.see(blending)
         closing = [motion.mover for motion in self._motions if motion.closing]
-        for mover in list(self._movers.values()):
+        for mover in self._claims.movers:
             if mover.process is not None and mover.process.pending:  # an answer to an older frame, if it has come
                 self._collect_object(mover)
             if mover.watches and mover not in closing:
@@ -209,19 +202,19 @@ class Control:
 
     def collect_objects(self, blending: Blending, patience: float) -> Array | None:
         """Take where the objects are now; rows (m, 8) of those that moved, for the world."""
-        if not self._movers:
+        if not self._claims.movers:
             self._moved = self._moved[:0]
             return None
         until = time.monotonic() + patience
         goes_on = True
         while goes_on:
-            asked = [mover.process for mover in self._movers.values() if mover.process is not None]
+            asked = [mover.process for mover in self._claims.movers if mover.process is not None]
             self._launcher.wait(asked, until - time.monotonic())
-            for mover in self._movers.values():
+            for mover in self._claims.movers:
                 self._collect_object(mover)
-            goes_on = any(mover.behind for mover in self._movers.values()) and time.monotonic() < until
+            goes_on = any(mover.behind for mover in self._claims.movers) and time.monotonic() < until
         rows: list[list[float]] = []
-        for mover in self._movers.values():
+        for mover in self._claims.movers:
             mover.stay(blending.grips)
             if mover.granted and mover.fresh:
                 rows.append([mover.id, *mover.pose])
@@ -260,7 +253,7 @@ class Control:
                 return
             self._database.check(order, seen, actor)
             motion.met = self._as_it_is(order)
-            motion.mover = None if self._comes_first(motion) else self._claim(order)
+            motion.mover = None if self._comes_first(motion) else self._claims.claim(order)
             self._carry(motion)
             start = self._database.start(
                 order, "human", seen, actor, self._next_seed(), self._rate, carried=motion.carried
@@ -287,9 +280,9 @@ class Control:
         if order.patience and self._comes_first(motion):
             return False
         record = self._communication.world.objects.get(order.object)
-        if record is not None and not order.whom and order.object not in self._movers:
+        if record is not None and not order.whom and order.object not in self._claims:
             holder = record.holder if record.holder != self._communication.human else ""
-        if not holder or not _wants_free(order):
+        if not holder or not wants_free(order.affordance, moves=order.object_algorithm is not None):
             return False
         if motion.waited >= order.patience * self._rate:
             after = f"; waited {order.patience:g} s" if motion.waited else ""
@@ -305,7 +298,7 @@ class Control:
         """Whether it claims what it moves only when it has come there, so that nobody who stands before it waits."""
         order = motion.order
         claims = order.object_algorithm is not None and order.affordance.hold in ("", "take")
-        return claims and motion.comes and order.object not in self._movers
+        return claims and motion.comes and order.object not in self._claims
 
     def _as_it_is(self, order: Order) -> tuple[object, ...]:
         """What a motion is planned from: where its object is, and in which states."""
@@ -328,7 +321,7 @@ class Control:
             self._fail(motion, str(error))
             return
         if self._as_it_is(order) == motion.met:
-            motion.mover = self._claim(order)
+            motion.mover = self._claims.claim(order)
         else:
             motion.begin_anew()
 
@@ -341,55 +334,17 @@ class Control:
         else:
             motion.carried = any(other.carries for other in others)
 
-    def _claim(self, order: Order) -> Mover | None:
-        """The mover of the order's object: a new one that asks for the object, or the one that has it."""
-        mover = self._movers.get(order.object)
-        hold = order.affordance.hold
-        if mover is not None and hold == "release":
-            if order.object_algorithm is not None:  # it goes on until the motion ends, as what is put down wants
-                return mover
-            if mover.order.hand:  # the hand opens, and what was in it falls while it does
-                self._release(mover)
-                return None
-            self._silence(mover)  # a chair is the sitter's until they have stood up
-            return mover
-        if order.object_algorithm is None or hold in ("keep", GIVE):
-            return mover if hold == GIVE else None
-        if mover is not None:
-            raise AhmssError(f"{order.title}: {mover.order.title} moves it until it is released")
-        number = self._communication.world.objects[order.object].id
-        hand = order.hand if hold == "take" else ""
-        claim = self._communication.claim(order.object, hand) if hold != RECEIVE else None
-        mover = Mover(order, number, self._communication.pose(order.object), claim, self._actor())
-        self._movers[order.object] = mover
-        return mover
-
-    def _grant(self) -> None:
-        """Start the object algorithms whose claims are granted; a claim that was refused ends its motion."""
-        for mover in list(self._movers.values()):
-            claim = mover.claim
-            if claim is None or not claim.done:
-                continue
-            mover.claim = None
-            try:
-                claim.result()
-                entry = mover.order.object_algorithm
-                assert entry is not None
-                actor = mover.actor if mover.frames else self._actor()
-                start = self._database.start(
-                    mover.order, "object", self._communication, actor, self._next_seed(), self._rate
-                )
-                mover.granted = True
-                if mover.given:  # the hand has closed on it already: its algorithm sees no fingers close
-                    start = msgspec.structs.replace(start, hold="keep")
-                mover.process = self._launcher.start(entry, start)
-            except Unreachable:  # the connection broke before the answer: ask again
-                mover.claim = self._communication.claim(mover.name, mover.order.hand if mover.takes else "")
-            except AhmssError as error:
-                if not self._wait_again(mover, str(error)):
-                    self._refuse(mover, str(error))
-            else:
-                mover.knows = known(record.id for record in start.world)
+    def _begin_to_move(self, mover: Mover) -> None:
+        """Start the algorithm of an object whose claim is granted."""
+        entry = mover.order.object_algorithm
+        assert entry is not None
+        actor = mover.actor if mover.frames else self._actor()
+        start = self._database.start(mover.order, "object", self._communication, actor, self._next_seed(), self._rate)
+        mover.granted = True
+        if mover.given:  # the hand has closed on it already: its algorithm sees no fingers close
+            start = msgspec.structs.replace(start, hold="keep")
+        mover.process = self._launcher.start(entry, start)
+        mover.knows = known(record.id for record in start.world)
 
     def _wait_again(self, mover: Mover, reason: str) -> bool:
         """Whether a claim came second by a hair, and its motion waits now: then it begins anew."""
@@ -401,8 +356,7 @@ class Control:
         if motion.waited >= motion.order.patience * self._rate:
             return False
         motion.begin_anew(_SEEN)
-        self._silence(mover)
-        self._forget(mover)
+        self._claims.forget(mover)
         return True
 
     # From hand to hand
@@ -411,9 +365,7 @@ class Control:
         """An algorithm says that what it gives is in the other hand, or that the hand has closed on what it takes."""
         mover, order = motion.mover, motion.order
         if order.affordance.hold == GIVE and mover is not None and mover.granted:
-            self._silence(mover)
-            self._forget(mover)
-            motion.passes = self._communication.transfer(mover.name, order.whom, state)
+            motion.passes = self._claims.give(mover, order.whom, state)
         elif order.affordance.hold == RECEIVE and mover is not None:
             motion.passes = 0
 
@@ -429,20 +381,12 @@ class Control:
             elif record is None or passes > _RELUCTANT * self._rate:
                 self._fail(motion, f"{motion.order.title}: {motion.order.whom} has not let go of {mover.name}")
             elif record.holder in ("", self._communication.human) and mover.claim is None:
-                mover.given, mover.pose = True, self._communication.pose(mover.name)
-                mover.claim = self._communication.claim(mover.name, mover.order.hand)
+                self._claims.receive(mover)
         elif passes is not None and passes.done:
             motion.passes = None
-            if reason := _refusal(passes):
-                self._take_back(mover)
+            if reason := refusal(passes):
+                self._claims.take_back(mover)
                 self._fail(motion, f"{motion.order.title}: {reason}; it stays in the hand")
-
-    def _take_back(self, mover: Mover) -> None:
-        """What could not be given is in the hand as before."""
-        mover.order = replace(mover.order, frames=0)  # the hand is closed on it already
-        mover.granted, mover.over, mover.given = False, False, True
-        mover.claim = self._communication.claim(mover.name, mover.order.hand)
-        self._movers[mover.name] = mover
 
     def _check_company(self, motion: Motion) -> None:
         """What is done to somebody who is gone has no sense any more."""
@@ -454,27 +398,20 @@ class Control:
         """The object can't be had: its motion ends."""
         for motion in [motion for motion in self._motions if motion.mover is mover]:
             self._fail(motion, f"{motion.order.title}: {reason}")
-        self._silence(mover)
-        self._forget(mover)
+        self._claims.forget(mover)
 
     def _give_up(self, mover: Mover) -> None:
         """The object is not this human's any more: let go of it at once, with the motions that need it in the hand."""
         mover.granted = False  # so nothing is there to be released
         self._communication.lose(mover.name)
-        holder = self._holder(mover)
+        holder = self._claims.holder(mover.name)
         now = f"{holder} has {mover.name} now" if holder else f"{mover.name} is not in the hand any more; take it again"
         needing = [motion for motion in self._motions if motion.mover is mover or motion.keeps(mover.name)]
         for motion in needing:
             self._fail(motion, f"{motion.order.title}: {now}")
         if not needing:
             self._say(now)
-        self._silence(mover)
-        self._forget(mover)
-
-    def _holder(self, mover: Mover) -> str:
-        """Another human that has it, as far as is known here; "" where there is none."""
-        record = self._communication.world.objects.get(mover.name)
-        return record.holder if record is not None and record.holder != self._communication.human else ""
+        self._claims.forget(mover)
 
     def _next_seed(self) -> int:
         """A seed for one process: the same in every run of the same script."""
@@ -557,7 +494,7 @@ class Control:
         if motion.process is not None:
             motion.process.stop()
         if motion.mover is not None and motion.lets_go:
-            self._release(motion.mover)
+            self._claims.release(motion.mover)
 
     def _fail(self, motion: Motion, reason: str) -> None:
         """A motion can't go on: the body keeps what it alone drove, the others go on."""
@@ -576,11 +513,11 @@ class Control:
         if mover is None:
             return
         if isinstance(motion.passes, Pending):  # it is on its way into the other hand, or stays in this one
-            self._passing.append((mover, motion.passes))
+            self._claims.leave_on_its_way(mover, motion.passes)
         if motion.order.affordance.hold == GIVE:  # it stays in the hand
             return
         if motion.order.affordance.hold == "release" or not mover.caught:
-            self._release(mover)
+            self._claims.release(mover)
 
     def _lose(self, mover: Mover, reason: str) -> None:
         """An object algorithm has failed: what is in the hand stays fixed to it, anything else stays where it is."""
@@ -591,45 +528,8 @@ class Control:
         end = "stays fixed to the hand until it is released" if caught else "stays where it is"
         self._say(f"{mover.order.title}: {reason}; {mover.name} {end}")
 
-    def _silence(self, mover: Mover) -> None:
-        """Its algorithm moves it no more."""
-        if mover.process is not None:
-            mover.process.stop()
-            mover.process = None
-        mover.frames.clear()
-        mover.over = True
-
-    def _release(self, mover: Mover) -> None:
-        """Let the object go where it is."""
-        self._silence(mover)
-        self._forget(mover)
-        if mover.granted or mover.claim is not None:
-            self._communication.release(mover.name)
-
-    def _forget(self, mover: Mover) -> None:
-        if self._movers.get(mover.name) is mover:
-            del self._movers[mover.name]
-
-
-def _wants_free(order: Order) -> bool:
-    """Whether an action is one of what nobody else has: it moves the object, or asks who holds it."""
-    affordance = order.affordance
-    if affordance.hold in ("keep", "release"):
-        return False
-    asks = affordance.when is not None and any(clause.state == HELD for clause in affordance.when.clauses())
-    return asks or order.object_algorithm is not None
-
 
 def _in_words(error: AhmssError) -> str:
     """Why an algorithm gave up, as it says itself where it does; which one it was, and when, `--debug` shows."""
     _LOG.debug("%s", error)
     return (error.said if isinstance(error, AlgorithmError) else "") or str(error)
-
-
-def _refusal(pending: Pending) -> str:
-    """Why a request that is done was refused; "" where it was granted."""
-    try:
-        pending.result()
-    except WorldError as error:
-        return str(error)
-    return ""
