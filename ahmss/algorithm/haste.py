@@ -9,9 +9,14 @@ from math import ceil
 
 from ahmss.algorithm.task import HumanTask
 
-__all__ = ["hurried", "least"]
+__all__ = ["hurried", "least", "too_few"]
 
 _HASTE = 0.4  # of the frames that a motion takes at ease: who hurries is two and a half times as fast, and no faster
+
+
+def too_few(asked: int, fewest: int) -> str:
+    """What is said to who asked for fewer frames than it takes."""
+    return f"{asked} frame{' is' if asked == 1 else 's are'} too few; it takes {fewest}"
 
 
 def least(task: HumanTask, at_ease: int) -> int:
@@ -38,6 +43,6 @@ def hurried(task: HumanTask, at_ease: int, besides: int = 0) -> int:
         return left
     if task.message.wish:
         if task.length == task.message.frames:
-            task.note(f"{task.length} frames are too few; it takes {besides + fewest}")
+            task.note(too_few(task.length, besides + fewest))
         task.length = besides + fewest
     return fewest

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 import msgspec
 import numpy as np
 
+from ahmss.algorithm.haste import too_few
 from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import State
 from ahmss.algorithm.process import Answer, Arrived, Note
@@ -260,7 +261,7 @@ class Control:
             )
             motion.process = self._launcher.start(order.human_algorithm, start)
             if order.act.frames and order.frames > order.act.frames:
-                self._note(f"{order.title}: {order.act.frames} frames are too few; it takes {order.frames}")
+                self._note(f"{order.title}: {too_few(order.act.frames, order.frames)}")
         except AhmssError as error:
             self._fail(motion, str(error))
             return

@@ -234,7 +234,7 @@ class Database:
     def _object_of(self, act: Act, scene: Scene) -> str:
         """The object that an act means, by its name or by a place."""
         if act.object:
-            return find_object(scene, act.object)
+            return self._named(scene, act.object)
         place = np.array(act.object_place)
         near: list[tuple[float, str]] = []
         for name, record in scene.objects.items():
@@ -245,6 +245,16 @@ class Database:
             where = " ".join(f"{x:g}" for x in place)
             raise CommandError(f'no object within {_THERE} m of {where} affords "{act.action}"')
         return name
+
+    def _named(self, scene: Scene, name: str) -> str:
+        """The object of a name; a kind of which there is none yet is told how to be added."""
+        try:
+            return find_object(scene, name)
+        except CommandError:
+            several = any(full.endswith(f"/{name}") for full in scene.objects)
+            if several or name not in self.workspace.objects.names():
+                raise
+            raise CommandError(f'no object "{name}" in the world; add one: `add {name} at X Y Z`') from None
 
     def _affordances(self, record: ObjectRecord) -> dict[str, Affordance]:
         try:

@@ -170,7 +170,7 @@ def test_asked_for_too_few_frames_it_takes_those_that_it_needs_and_arrives(lengt
     assert last[7] == 1.0
     np.testing.assert_allclose(body.grip().place, last[:3], atol=1e-3)
     notes = list(program("reach")(task)) and task.notes
-    assert notes == [f"{length} frames are too few; it takes {len(shown)}"]
+    assert notes == [f"{length} frame{' is' if length == 1 else 's are'} too few; it takes {len(shown)}"]
 
 
 def test_who_sits_bends_at_the_waist_alone() -> None:

@@ -146,7 +146,7 @@ def test_who_stands_a_step_aside_goes_there_first() -> None:
 def test_who_is_far_is_told_to_walk_there_first() -> None:
     frame = chair(5)
     body = at("ken", frame, STAND + np.array([12.6, 0.0, 0.0]))
-    with pytest.raises(AlgorithmError, match=r"room/chair is 12\.6 m from here; walk to room/chair first"):
+    with pytest.raises(AlgorithmError, match=r"room/chair is 12\.6 m from here; `do floor walk to chair` first"):
         does(body, "sit", frame)
 
 
