@@ -32,7 +32,9 @@ __all__ = ["TOUCHING", "Ends", "Footprints", "Line", "Shaped", "Shaping", "shape
 
 _UP = np.array([0.0, 0.0, 1.0])
 TOUCHING = 3e-4  # metres
-_STRETCH = 0.9988  # of a leg's length that a leg may have; the clips keep to a little less
+# Of a leg's length that a leg may have: of who stands, and of who walks. Straighter, it takes a knee many degrees to be
+# a little longer or shorter. The clips keep to a little less than the first.
+_STANDING, _STRETCH = 0.9988, 0.997
 _AROUND, _SIGMA = 6, 3.0  # frames before and after in which the hips come down for a leg, and how this is smoothed
 _COVERED = float(erf((_AROUND + 0.5) / (_SIGMA * np.sqrt(2.0))))  # of a frame's need, after smoothing
 _MARGIN = _AROUND + round(4.0 * _SIGMA)  # frames after one that it depends on
@@ -87,6 +89,7 @@ class Shaping:
         self._turned = heading + turn
         self._looking = _looking_ahead(line, s, heading)
         self._rotations = np.empty_like(nominal.rotations)
+        self._stretch = _stretch(nominal)
         self._too_high, self._looked = np.zeros(frames), 0  # frames of which it is known whether a leg is too short
         self._made = 0
 
@@ -156,7 +159,7 @@ class Shaping:
         rotations = self._rotations[part]
         rotations[:] = self._nominal.rotations[part]
         rotations[:, 0] = multiply(from_axis_angle(_UP, self._turned[part]), rotations[:, 0])
-        self._too_high[part] = _too_high(self._skeleton, rotations[:, 0], self._root[part], ankles)
+        self._too_high[part] = _too_high(self._skeleton, rotations[:, 0], self._root[part], ankles, self._stretch[part])
         self._looked = end
 
 
@@ -170,6 +173,15 @@ def _bearing(skeleton: Skeleton, ankles: Array, feet: Array) -> NDArray[np.bool_
     """Which points of the soles touch the floor (F, 2, 3)."""
     soles = np.stack([skeleton.soles, skeleton.soles * (1.0, -1.0, 1.0)])
     return (ankles[:, :, None] + rotate(feet[:, :, None], soles))[..., 2] < TOUCHING
+
+
+def _stretch(nominal: Nominal) -> Array:
+    """Of what share of its length a leg may be (F,)."""
+    stretch = np.full(len(nominal.root), _STANDING)
+    walks = np.flatnonzero(~nominal.bearing.any(axis=-1).all(axis=-1))
+    if len(walks):
+        stretch[walks[0] : walks[-1] + 1] = _STRETCH
+    return stretch
 
 
 def _turning(nominal: Nominal, line: Line, frames: Array) -> Array:
@@ -200,11 +212,11 @@ def _turn_head(rotations: Array, by: Array) -> None:
     rotations[:, 2] = multiply(conjugate(q), world)
 
 
-def _too_high(skeleton: Skeleton, hips: Array, root: Array, ankles: Array) -> Array:
-    """By how much hips are higher than that both legs reach their feet (F,), metres."""
+def _too_high(skeleton: Skeleton, hips: Array, root: Array, ankles: Array, stretch: Array) -> Array:
+    """By how much hips are higher than that legs of such shares of their length reach their feet (F,), metres."""
     way = hip_joints(skeleton, hips, root) - ankles
     level = np.einsum("fsi,fsi->fs", way[..., :2], way[..., :2])
-    allowed = np.sqrt(np.maximum((_STRETCH * reach(skeleton)) ** 2 - level, 1e-4))
+    allowed = np.sqrt(np.maximum((stretch * reach(skeleton))[:, None] ** 2 - level, 1e-4))
     return np.maximum(way[..., 2] - allowed, 0.0).max(axis=1)
 
 

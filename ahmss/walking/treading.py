@@ -15,6 +15,7 @@ from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.contact import runs
 from ahmss.motion.easing import minimum_jerk
+from ahmss.walking.evening import evened
 from ahmss.walking.footprints import Ends, Footprints
 from ahmss.walking.leeway import Leeway
 from ahmss.walking.legs import foot_frames
@@ -233,6 +234,11 @@ class Tread:
         yaw = np.where(bears, yaw, loose + (1.0 - share) * fixed[lift] + share * fixed[land])
         early = np.where(stances.more[before] != 0.0, minimum_jerk(np.minimum(u / _TURNS_OUT, 1.0)), share)
         heading = yaw + (1.0 - early) * turn[before] + early * turn[after]
+        swings = ~bears
+        for b in np.unique(before[swings]).tolist():
+            swing = swings & (before == b)
+            first, last = int(lift[swing][0]), int(land[swing][0])
+            heading[first : last + 1] = evened(heading[first : last + 1])
         feet = turned(heading, tilted)
 
         height = -soles[0, 2]
@@ -241,7 +247,6 @@ class Tread:
         nominal = ankle.copy()
         exact = rolled(stances.place[before], stances.heading[before], yaw, pitch, soles)
         nominal[bears, :2] = exact[bears, :2]
-        swings = ~bears
         for at, weight in ((lift, 1.0 - share), (land, share)):
             nominal[swings, :2] += (weight[:, None] * (exact[at] - ankle[at])[:, :2])[swings]
         small = sizes[np.where(bears, before, before + 1)]
