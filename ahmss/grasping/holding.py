@@ -24,6 +24,9 @@ WELL = -0.85  # of the same, below which no better one is looked for
 OPENED, OPENS_BY, THUMB_OPENS_BY = 0.6, np.radians(4.0), np.radians(22.0)  # of a hand that is about to close
 DEEP = 0.002  # metres that skin may be within the shape
 _DEPTH, _FINGER, _LINK = 150.0, 0.08, 0.03  # of a metre too deep, a finger that touches, a link that touches
+# Of a thumb that lies all over the end of a wall; what of that is none; balls of its end that count, from here on.
+_EDGE, _LITTLE, _PAD = 0.5, 0.15, 2
+_THUMB_GAP = 40.0  # of a metre between skin and shape, the mean of the thumb's links
 _GAP = 60.0  # of a metre between skin and shape, the mean of all links
 _FAR_OUT = (np.radians(95.0), 1.5)  # the thumb further out than that: of a radian
 
@@ -37,7 +40,7 @@ class Holding:
     touch. links: how many of the fingers' twelve links do. facing: cosine between the thumb's normal and that of the
     finger most opposite to it: -1 where they press against each other, 1 where one of the two is missing. depth: metres
     by which some skin is within the shape, 0 for none. wide: (14, 4) the fingers as they must be open before; None
-    where any way will do.
+    where any way will do. over: how far the thumb lies over the end of the wall that is held, from 0 to 1.
     """
 
     palm: Array
@@ -49,6 +52,7 @@ class Holding:
     facing: float
     depth: float
     wide: Array | None = None
+    over: float = 0.0
 
     @property
     def holds(self) -> bool:
@@ -57,7 +61,7 @@ class Holding:
 
     def well(self, links: int) -> bool:
         """Whether it holds so well, with so many links touching, that no better one need be looked for."""
-        eased = self.thumb.out < THUMB_EASY and self.depth < 0.5 * DEEP
+        eased = self.thumb.out < THUMB_EASY and self.depth < 0.5 * DEEP and self.over < _LITTLE
         return eased and self.facing < WELL and self.links >= links
 
 
@@ -68,7 +72,7 @@ class Trial:
     hands: in the object's frame. palms: (C, 7) of them. curls: (K, 3) in which proportions their fingers may curl.
     rises, bends: (C, R) planes that the thumb tries, and how its end is bent meanwhile. cost: (C,) what speaks against
     each. thumb_cost: (C, R) the same of the planes. links: of fingers that are to touch, or others than the first hand
-    are tried.
+    are tried. axis: (3,) along which the wall is on which the thumb shall lie; None where there is none.
     """
 
     hands: Hands
@@ -79,6 +83,7 @@ class Trial:
     cost: Array
     thumb_cost: Array
     links: int
+    axis: Array | None = None
 
     def first(self) -> Trial:
         """The first hand alone, curled in the first way."""
@@ -88,7 +93,7 @@ class Trial:
         """Some of the hands."""
         return Trial(
             self.hands.chosen(which), self.palms[which], self.curls, self.rises[which], self.bends[which],
-            self.cost[which], self.thumb_cost[which], self.links,
+            self.cost[which], self.thumb_cost[which], self.links, self.axis,
         )  # fmt: skip
 
 
@@ -126,12 +131,17 @@ def _best(hand: Hand, field: Field, trial: Trial) -> Steps[Holding]:
     thumb, gaps, touches = close_thumb(hand, trial.hands.chosen(of), field, fingers.flexion[of], rise, bend)
     facing = _facing(field, fingers, of, gaps, touches)
     depth = np.maximum(depth[of], -gaps.min(axis=1))
+    over = np.zeros(len(of))
+    if trial.axis is not None:
+        over = _over_edge(hand, field, trial.hands.chosen(of), thumb, trial.axis)
     total = (
         score[of]
         + facing
         + _DEPTH * np.maximum(depth - 0.5 * DEEP, 0.0)
         + _FAR_OUT[1] * np.maximum(thumb.out - _FAR_OUT[0], 0.0)
         + few_of.thumb_cost.reshape(-1)
+        + _EDGE * over
+        + _THUMB_GAP * np.clip(gaps, 0.0, 0.03).mean(axis=1)
     )
     i = int(total.argmin())
     c = int(of[i])
@@ -141,7 +151,7 @@ def _best(hand: Hand, field: Field, trial: Trial) -> Steps[Holding]:
     shape = hand.rotations(fingers.flexion[c], one)
     return Holding(
         trial.palms[c], shape, fingers.flexion[c], one, tuple(names), int(touching[c].sum()), float(facing[i]),
-        max(float(depth[i]), 0.0),
+        max(float(depth[i]), 0.0), over=float(over[i]),
     )  # fmt: skip
 
 
@@ -150,6 +160,14 @@ def opener(hand: Hand, holding: Holding) -> Array:
     flexion = OPENED * holding.flexion - OPENS_BY
     thumb = Thumb(np.minimum(holding.thumb.out + THUMB_OPENS_BY, THUMB_MOST), holding.thumb.rise, THUMB_SLACK)
     return hand.rotations(flexion, thumb)
+
+
+def _over_edge(hand: Hand, field: Field, hands: Hands, thumb: Thumb, axis: Array) -> Array:
+    """How far (n) thumbs of hands (n) lie over the end of a wall along an axis: there its normal turns to that."""
+    middles, radii = hand.thumb_balls(thumb)
+    edges = radii[1, _PAD:, None] * axis * np.array([-1.0, 1.0])[:, None, None]  # of its skin
+    balls = hands.seen(middles[:, 1, _PAD:])[:, None] + edges
+    return np.abs(field.normals(balls) @ axis).max(axis=1).mean(axis=1)
 
 
 def _facing(field: Field, fingers: Fingers, of: NDArray[np.intp], thumb_gaps: Array, thumb_touches: Array) -> Array:

@@ -37,6 +37,7 @@ LEAST = 2  # fingers through the loop
 OUTS, RISES, BENDS = (np.radians(a) for a in (np.arange(20.0, 90.0, 2.5), np.arange(0.0, 81.0, 16.0), [8.0, 30.0]))
 OPENS, RISEN = np.radians([22.0, 14.0, 7.0, 0.0, 32.0]), np.radians([0.0, -20.0, 20.0, -40.0, 40.0])  # of the thumb
 BEHIND = np.array([0.0, 0.01, 0.025, 0.05])  # metres before the bar, where an open thumb is looked at
+CLOSER = np.radians(np.linspace(-2.5, 2.5, 21))  # by which the thumb is then turned, to lie on it
 BACK, MISSED = 0.12, 0.17  # metres before the bar where the hand begins, and after which it has missed
 ROUNDS, CLOSE = 12, 1e-4  # of coming nearer; metres that are none
 X = np.array([1.0, 0.0, 0.0])
@@ -187,7 +188,18 @@ def _come(hand: Hand, field: Field, hands: Hands, start: Array, inward: Array) -
 def _thumb(hand: Hand, field: Field, one: Hands, flexion: Array) -> tuple[Thumb, float]:
     """Where the thumb lies on top of the handle, or else beside the fingers (4, 3); and its gap from the shape."""
     out, rise, bend = (a.ravel() for a in np.meshgrid(OUTS, RISES, BENDS, indexing="ij"))
-    balls, radii = hand.thumb_balls(Thumb(out, rise, bend))
+    i = int(_against(hand, field, one, flexion, Thumb(out, rise, bend), 4.0)[0].argmin())
+    few = out[i] + CLOSER
+    near = Thumb(few, np.full(len(few), rise[i]), np.full(len(few), bend[i]))
+    score, gap = _against(hand, field, one, flexion, near, np.inf)
+    k = int(score.argmin())
+    return Thumb(few[k], rise[i], bend[i]), float(gap[k])
+
+
+def _against(hand: Hand, field: Field, one: Hands, flexion: Array, thumbs: Thumb, most: float) -> tuple[Array, Array]:
+    """What speaks against thumbs (n) of a hand, and their gaps (n); `most` is what counts of such a gap."""
+    balls, radii = hand.thumb_balls(thumbs)
+    out = thumbs.out
     seen = one.seen(balls.reshape(1, -1, 3)).reshape(balls.shape)
     gaps = (field.clearance(seen) - radii).reshape(len(out), -1)
     middles, wide = hand.finger_balls(flexion)
@@ -198,10 +210,9 @@ def _thumb(hand: Hand, field: Field, one: Hands, flexion: Array) -> tuple[Thumb,
     pads = seen[np.arange(len(out)), 1, nearest]
     top = -(one.turn[0] @ np.array([0.0, 0.0, 1.0]))  # to the thumb's side
     gap = gaps.min(axis=1)
-    score = np.minimum(np.abs(gap) / ON, 4.0) + (1.0 - field.normals(pads) @ top) * (gap < 4.0 * ON) + 0.6 * out
+    score = np.minimum(np.abs(gap) / ON, most) + (1.0 - field.normals(pads) @ top) * (gap < 4.0 * ON) + 0.6 * out
     score += 2000.0 * (np.maximum(-gap - 0.3 * DEEP, 0.0) + np.maximum(-apart - DEEP, 0.0))
-    i = int(score.argmin())
-    return Thumb(out[i], rise[i], bend[i]), float(gap[i])
+    return score, gap
 
 
 def _opened(hand: Hand, field: Field, one: Hands, thumb: Thumb) -> Thumb:

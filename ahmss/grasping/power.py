@@ -23,7 +23,7 @@ CURLS = np.stack([POWER, HOOK])
 WRAPPED = 9  # links that touch where fingers are well around
 # Planes of the thumb, out of the palm to its own side, and the bend of its end.
 RISES, BENDS = np.radians([[22.0, 0.0, 40.0, 22.0, 5.0], [8.0, 8.0, 8.0, 45.0, 45.0]])
-THIN, AROUND = 0.018, np.radians(120.0)  # half of what fingers go around, metres, and how far they are bent then
+THIN, AROUND = 0.016, np.radians(120.0)  # half of what fingers go around, metres, and how far they are bent then
 BESIDE_IT = 0.04  # metres from the axis at which a thumb is not on it
 ALONG = 0.04  # metres along the axis that the palm may be from the site
 SLANT = np.radians(15.0)  # by which the hand may lie askew of the axis
@@ -92,7 +92,7 @@ def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array
     hands = Hands(palms[:, :3] - turn @ hand.grip[:3], np.broadcast_to(turn, (len(palms), 3, 3)))
     cost = (2.0 * np.abs(INTO_FINGERS - INTO_FINGERS[0]) + 5.0 * np.abs(BESIDE))[met]
     rises, bends = (np.broadcast_to(row, (len(palms), len(row))) for row in (RISES, BENDS))
-    trial = Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED)
+    trial = Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED, up)
     return (yield from best(hand, field, trial))
 
 

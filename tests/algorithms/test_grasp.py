@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,8 @@ from ahmss.errors import AlgorithmError
 from ahmss.grasping import power
 from ahmss.grasping.field import Field
 from ahmss.motion.fingers import Cylinder, closed
-from tests.grasping.shapes import outside, thing
+from tests.demo.skin import Skin
+from tests.grasping.shapes import kind, outside, thing
 
 from .scene import CUP, DOOR, WORKSPACE, Body, frame_of, program, record
 
@@ -112,6 +114,50 @@ def test_a_grip_is_looked_for_in_parts_and_meanwhile_the_hand_is_still(thing: st
     for pose in shown[:found]:
         np.testing.assert_allclose(pose.targets[0, :3], grip, atol=1e-9)
     assert len(shown) >= 29 + found
+
+
+@pytest.mark.parametrize(
+    ("wide", "name", "side"),
+    [
+        case if case in (("40", "aiko", "right"), ("60", "ken", "left"), ("100", "aiko", "left"))
+        else pytest.param(*case, marks=pytest.mark.long)
+        for case in product(("40", "60", "90", "100", "110"), ("ken", "aiko"), ("right", "left"))
+    ],
+)  # fmt: skip
+def test_the_thumb_is_on_the_wall_of_a_cup_and_not_over_its_rim(
+    wide: str, name: str, side: str, tmp_path: Path
+) -> None:
+    """Of cups so wide, millimetres, all as tall; and against the fingers, none of which is deep in it."""
+    corners = kind("cup") * np.array([float(wide) / 72.0, float(wide) / 72.0, 1.0])
+    home = tmp_path / "objectdb" / "wide"
+    home.mkdir(parents=True)
+    flat = corners.reshape(-1, 3)
+    trimesh.Trimesh(flat, np.arange(len(flat)).reshape(-1, 3), process=False).export(home / "it.stl")
+    (home / "object.toml").write_text('name = "wide"\nshape = "it.stl"\nunit = "m"\n')
+    kept = Workspace(tmp_path).objects.kept_shape("wide")
+    assert kept is not None
+    body, frame = Body(name, facing=0.0), Transform(np.array([0.4, -0.12 if side == "right" else 0.12, 0.88]), IDENTITY)
+    sites = {"wall": SiteRecord((0.0, 0.0, 0.052), (1.0, 0.0, 0.0, 0.0), "z", "power")}
+    cup = ObjectRecord(
+        5, "wide", "wide", tuple(frame.place), tuple(frame.rotation), sites, {"diameter": 0.001 * float(wide)}, {},
+        shape=ShapeRecord(str(kept[0]), kept[1]),
+    )  # fmt: skip
+    for algorithm, length in (("reach", 0), ("grasp", 30)):
+        pose = PoseRecord.of(body.rotations, body.root)
+        body.do(algorithm, Start(
+            kind="human", human=body.skeleton.to_record(), pose=pose, frames=length, object=cup, site="wall", hand=side,
+            wish=True,
+        ))  # fmt: skip
+    skin = Skin.read(WORKSPACE.humans.shape(name).glb, body.skeleton)
+    chosen = np.flatnonzero(np.isin(skin.link, fingers(side)))
+    points = frame.inverse().apply(skin.posed(body.rotations, body.root, chosen))
+    gaps = outside(points, corners)
+    assert gaps.min() > -0.002, LINKS[skin.link[chosen[gaps.argmin()]]]
+    thumb = np.isin(skin.link[chosen], [INDEX[f"{side}_thumb_proximal"], INDEX[f"{side}_thumb_distal"]])
+    on = gaps < 0.003
+    assert points[on & thumb, 2].max() < HEIGHT - 0.005
+    out = points[:, :2] / np.linalg.norm(points[:, :2], axis=1, keepdims=True)
+    assert float((out[on & thumb] @ out[on & ~thumb].T).min()) < -0.8
 
 
 def test_a_thicker_object_bends_the_fingers_less() -> None:
