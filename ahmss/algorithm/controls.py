@@ -169,7 +169,7 @@ def gone_to(
         AlgorithmError: it is too far, or nobody gets there.
     """
     assert task.object is not None
-    to, arms = to or task.object.name, Tucking(task, first=0)
+    to, arms = to or task.object.name, Tucking(task)
     steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=to, arms=arms)
     rotations = task.start.rotations.copy()
     watching = Sighting(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)

@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 
 from ahmss.algorithm.castors import must_stand
+from ahmss.algorithm.giving_way import points_of
 from ahmss.algorithm.out_of_reach import LOWEST, walk_there
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
@@ -30,7 +31,8 @@ from ahmss.walking.pieces import LOOKS
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 __all__ = [
-    "IMPORTANCE", "Stance", "ground_of", "in_time", "rows_of", "stepped", "until_free", "walk_library", "walkers",
+    "IMPORTANCE", "Stance", "ground_of", "in_hands", "in_time", "rows_of", "stepped", "until_free", "walk_library",
+    "walkers",
 ]  # fmt: skip
 
 _FEET = slice(2, 4)
@@ -40,6 +42,7 @@ _CARES = {
 }  # fmt: skip
 _MISSED = 3  # frames for which who moves may not have been seen
 _HUNG = 0.1  # seconds for which nothing is heard of who goes: they hang
+_OUT = np.array([[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [1.0, -1.0, -1.0]])  # ways to its corners
 _PATIENCE = 15.0  # seconds that one stands and waits for others to go
 
 
@@ -85,6 +88,17 @@ def ground_of(task: HumanTask) -> Ground:
     left = tuple(f"{name}/" for ring, name, _ in shapes if _contains(ring, task.start.root[:2]))
     shapes = [shape for shape in shapes if not shape[1].startswith(left)] if left else shapes
     return Ground([ring for ring, _, _ in shapes], [name for _, name, _ in shapes], [top for _, _, top in shapes])
+
+
+def in_hands(task: HumanTask) -> dict[str, Array]:
+    """The outermost points (n, 3) of what each hand holds, in the hand's frame."""
+    found: dict[str, Array] = {}
+    for side in task.busy:
+        points, _ = points_of(task, side, task.in_hand(side))
+        if len(points):
+            ends = np.concatenate([(points @ _OUT.T).argmax(axis=0), (points @ _OUT.T).argmin(axis=0)])
+            found[side] = points[np.unique(ends)]
+    return found
 
 
 def walkers(task: HumanTask) -> Sequence[Walker]:
@@ -185,7 +199,7 @@ def stepped(
     held = _held(task)
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, others=partial(walkers, task), note=task.note,
-        held=task.busy, rests=lambda: task.rests,
+        held=task.busy, rests=lambda: task.rests, things=in_hands(task),
     )  # fmt: skip
     task.refuse_rest()
     for piece in trip.pieces(start.rotations, start.root):

@@ -29,6 +29,7 @@ _COMES_BACK = 0.97  # of what an arm was to be moved by, what is left a frame la
 _ROUNDS = 4  # of moving them out of one thing after the other
 _BEFORE, _SOFT, _BEGINS = 16, 6.0, 24  # frames by which a known way goes aside sooner, over which softly, at first
 _ENOUGH, _STILL = 5e-4, 1e-5  # metres
+_FACES_IT = 0.3  # of a way out, what is less to the side of a body's way is none: it goes head on
 
 
 class Aside:
@@ -58,14 +59,15 @@ class Aside:
         """Whether nothing is moved, nor about to be."""
         return float(np.abs(self._lags).max()) < _STILL and float(np.abs(self._wanted).max()) < _STILL
 
-    def step(self, prisms: Sequence[Prism], points: Array, radii: Array) -> Array:
+    def step(self, prisms: Sequence[Prism], points: Array, radii: Array, along: Array | None = None) -> Array:
         """By how much points are moved in the next frame (3,).
 
         Args:
             prisms: the things.
             points: (n, 3) where they are and will be if nothing moves them. radii: (n,) of the skin around them.
+            along: (3,) level, of length 1: the way of the body, which goes past things and not back from them.
         """
-        self._wanted = _out_of(prisms, points, radii + AIR, _COMES_BACK * self._wanted)
+        self._wanted = _out_of(prisms, points, radii + AIR, _COMES_BACK * self._wanted, along)
         towards = self._wanted
         for lag in self._lags:
             lag += self._share * (towards - lag)
@@ -108,7 +110,7 @@ def nearest(prisms: Sequence[Prism], point: Array) -> Prism:
     return prisms[least[1]]
 
 
-def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array) -> Array:
+def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array, along: Array | None = None) -> Array:
     """By how much points (n, 3) with room of such radii (n) around them are to be moved (3,), from a guess on."""
     if not prisms or not len(points):
         return moved
@@ -119,5 +121,18 @@ def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array) 
         worst = int(lack.argmax())
         if lack[worst] < _ENOUGH:
             break
-        moved = moved + lack[worst] * nearest(prisms, at[worst]).way_out(at[worst])
+        thing = nearest(prisms, at[worst])
+        out = thing.way_out(at[worst])
+        moved = moved + lack[worst] * (out if along is None else _past(thing, at[worst], out, along))
     return moved * min(1.0, _MOST / max(float(np.linalg.norm(moved)), 1e-9))
+
+
+def _past(thing: Prism, point: Array, out: Array, along: Array) -> Array:
+    """The way out (3,) of a thing for a point (3,) that goes along a level way (3,): to the side of that, or up."""
+    aside = out - (out @ along) * along
+    length = float(np.linalg.norm(aside))
+    if length > _FACES_IT:
+        return aside / length
+    left = np.array([-along[1], along[0], 0.0])
+    middle = 0.5 * (thing.ring.min(axis=0) + thing.ring.max(axis=0))
+    return left if float(left[:2] @ (point[:2] - middle)) > 0.0 else -left

@@ -8,7 +8,7 @@ last they stay, and what is far from things is left as it was.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -49,6 +49,7 @@ _MIRROR = np.array([1.0, -1.0, 1.0])
 _THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051, 0.065, 0.055, 0.05, 0.05])
 _WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 _OF_FOOT, _OF_ARM = slice(4, 7), 4
+_THING = 0.02  # metres that a point of what is in a hand keeps
 
 
 def clearing(
@@ -99,19 +100,27 @@ def clearing(
         yield moved
 
 
-def held_arms(skeleton: Skeleton, rotations: Array, root: Array, sides: Sequence[str]) -> Array:
+def held_arms(
+    skeleton: Skeleton, rotations: Array, root: Array, sides: Sequence[str], things: Mapping[str, Array] | None = None
+) -> Array:
     """Elbow, forearm, wrist and fingers of arms that stay as they are in a pose (43, 4), (3,), against its hips.
 
+    Args:
+        skeleton: whose. rotations, root: the pose. sides: of the arms.
+        things: points (n, 3) of what is in the hand of a side, in the hand's frame.
+
     Returns:
-        (2, 4, 3) right and left; nan for an arm that is not among the sides.
+        (2, 4 + n, 3) right and left, with what is in their hands; nan for an arm that is not among the sides.
     """
     places, turned = forward(rotations, root, skeleton.offsets)
-    out = np.full((2, _OF_ARM, 3), np.nan)
+    things = things or {}
+    out = np.full((2, _OF_ARM + max((len(points) for points in things.values()), default=0), 3), np.nan)
     for i, side in enumerate(("right", "left")):
         if side in sides:
             elbow, wrist, finger = (INDEX[f"{side}_{name}"] for name in ("lower_arm", "hand", "middle_intermediate"))
             points = [places[elbow], 0.5 * (places[elbow] + places[wrist]), places[wrist], places[finger]]
-            out[i] = rotate(conjugate(turned[0]), np.array(points) - root)
+            points += [*(places[wrist] + rotate(turned[wrist], things.get(side, np.zeros((0, 3)))))]
+            out[i, : len(points)] = rotate(conjugate(turned[0]), np.array(points) - root)
     return out
 
 
@@ -134,8 +143,10 @@ class _Limbs:
 
     def __init__(self, frames: NDArray[np.intp], points: Array, fence: Fence) -> None:
         self._frames, self._points, self._fence = frames, points[..., :2], fence
-        self._lows = (points[..., 2] - _THICK).reshape(-1)
-        self._thick = np.broadcast_to(_THICK, points.shape[:-1]).reshape(-1)
+        more = points.shape[2] - len(_THICK)
+        thick, self._with_foot = np.append(_THICK, np.full(more, _THING)), np.append(_WITH_FOOT, np.zeros(more))
+        self._lows = (points[..., 2] - thick).reshape(-1)
+        self._thick = np.broadcast_to(thick, points.shape[:-1]).reshape(-1)
         self._seen = self._points.reshape(-1, 2).copy()  # where points were when it was looked at how far they are
         self._away, self._out = fence.away(self._seen, self._lows)
 
@@ -155,7 +166,8 @@ class _Limbs:
             joints, joints + 0.65 * (knees - joints), knees, 0.5 * (knees + ankles), ankles,
             ankles + rotate(feet, heels), ankles + rotate(feet, toes),
         ], axis=2)  # fmt: skip
-        arms = np.repeat(_elbows(skeleton, shaped, frames)[:, :, None], _OF_ARM, axis=2)
+        count = _OF_ARM if held is None else held.shape[1]
+        arms = np.repeat(_elbows(skeleton, shaped, frames)[:, :, None], count, axis=2)
         if held is not None:
             stay = root[:, None, None] + rotate(hips[:, :, None], held)
             arms = np.where(np.isnan(held), arms, stay)
@@ -165,7 +177,7 @@ class _Limbs:
         """By how much the points are to be moved (f, 2, P, 2) out of things when body and feet are moved (F, 2)."""
         by_body = body[self._frames][:, None, None]
         by_foot = np.stack([foot[self._frames] for foot in feet], axis=1)[:, :, None]
-        at = (self._points + by_body + _WITH_FOOT[:, None] * (by_foot - by_body)).reshape(-1, 2)
+        at = (self._points + by_body + self._with_foot[:, None] * (by_foot - by_body)).reshape(-1, 2)
         moved = at - self._seen
         doubtful = np.flatnonzero(self._away - np.sqrt((moved * moved).sum(axis=-1)) < self._thick)
         if len(doubtful):

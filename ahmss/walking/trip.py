@@ -7,7 +7,7 @@ changed theirs at the same time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -55,6 +55,7 @@ class Trip:
         others: tells who else is on the floor now.
         note: is told, in one sentence, what a person should know.
         held: the sides whose arms stay as they are, for what is in their hands.
+        things: points (n, 3) of what that is, by the side, in the hand's frame.
         rests: tells whether one is to stop where one is, and stand.
     """
 
@@ -68,6 +69,7 @@ class Trip:
     note: Callable[[str], None] = lambda _: None
     held: Sequence[str] = ()
     rests: Callable[[], bool] = lambda: False
+    things: Mapping[str, Array] = field(default_factory=dict[str, Array])
     planner: Planner = field(init=False)
 
     def __post_init__(self) -> None:  # noqa: D105 (what it sets is a field)
@@ -88,7 +90,7 @@ class Trip:
         Raises:
             NoWay: the goal can't be reached. AlgorithmError: somebody stands in the way, and stays there.
         """
-        self._arms = held_arms(self.skeleton, rotations, root, self.held) if self.held else None
+        self._arms = held_arms(self.skeleton, rotations, root, self.held, self.things) if self.held else None
         for made in self._pieces(footing(self.skeleton, rotations, root, self.planner.standing)):
             yield made
             self._made += len(made.root) if self._sudden is None else self._sudden[1]

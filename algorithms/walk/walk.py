@@ -12,7 +12,8 @@ from functools import partial
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.stepping import ground_of, in_time, rows_of, walk_library, walkers
+from ahmss.algorithm.keeping import kept_clear
+from ahmss.algorithm.stepping import ground_of, in_hands, in_time, rows_of, walk_library, walkers
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -27,7 +28,12 @@ UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else
 
 
 def walk(task: HumanTask) -> Iterator[Array]:
-    """The frames of the walk, a step at a time."""
+    """The frames of the walk, a step at a time, what hands hold kept out of things beside it."""
+    return kept_clear(task, _walk(task))
+
+
+def _walk(task: HumanTask) -> Iterator[Array]:
+    """The frames, a step at a time."""
     library = walk_library(task)
     ground = ground_of(task)
     goal = _goal(task, ground)
@@ -38,7 +44,7 @@ def walk(task: HumanTask) -> Iterator[Array]:
         return
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, task.length, partial(walkers, task),
-        task.note, task.busy, lambda: task.rests,
+        task.note, task.busy, lambda: task.rests, in_hands(task),
     )  # fmt: skip
     tucking = Tucking(task)
     for piece in trip.pieces(task.start.rotations, task.start.root):

@@ -9,7 +9,7 @@ import pytest
 from ahmss.algorithm import HumanPose, HumanTask, Transform
 from ahmss.algorithm.box import Box, boxes_of
 from ahmss.algorithm.giving_way import points_of
-from ahmss.algorithm.messages import ObjectRecord
+from ahmss.algorithm.messages import Goal, ObjectRecord
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
@@ -31,14 +31,20 @@ def numbered(thing: ObjectRecord, number: int) -> ObjectRecord:
     return msgspec.structs.replace(thing, id=number, footprint=[] if number == 21 else thing.footprint)
 
 
-def pressed(name: str, held: dict[str, int]) -> tuple[Body, list[HumanPose], HumanTask]:
-    """Somebody with a manual before the belly goes to a panel and presses a button with the other hand."""
-    body = Body(name, 0.5, -0.6, 0.0)
-    for link, turn in (("right_lower_arm", 1.1), ("right_upper_arm", 0.2)):
+def holding(name: str, side: str, at: tuple[float, float, float]) -> Body:
+    """Somebody who stands somewhere, facing so many degrees, with a forearm before the belly."""
+    body = Body(name, *at)
+    for link, turn in ((f"{side}_lower_arm", 1.1), (f"{side}_upper_arm", 0.2)):
         bent = from_axis_angle(np.array([0.0, 1.0, 0.0]), turn)
         body.rotations[INDEX[link]] = multiply(body.rotations[INDEX[link]], bent)
-    reacher = Reacher.of(body.skeleton, "right")  # the elbow where it is by itself
+    reacher = Reacher.of(body.skeleton, side)  # the elbow where it is by itself
     body.rotations[reacher.links] = with_hand_moved(reacher, body.rotations, body.root, np.zeros(3))
+    return body
+
+
+def pressed(name: str, held: dict[str, int]) -> tuple[Body, list[HumanPose], HumanTask]:
+    """Somebody with a manual before the belly goes to a panel and presses a button with the other hand."""
+    body = holding(name, "right", (0.5, -0.6, 0.0))
     button = device(BUTTON.kind, PANEL.then(Transform(np.array(BUTTON.position), np.array(BUTTON.rotation))))
     manual = device("manual", body.grip().then(IN_PALM))
     world = [numbered(device("panel", PANEL), 20), numbered(manual, 21)]
@@ -47,16 +53,16 @@ def pressed(name: str, held: dict[str, int]) -> tuple[Body, list[HumanPose], Hum
     return body, body.do(program("press"), start), task
 
 
-def depth(body: Body, shown: list[HumanPose], task: HumanTask, *, manual: bool) -> float:
+def depth(body: Body, shown: list[HumanPose], task: HumanTask, *, manual: bool, side: str = "right") -> float:
     """How deep the bones of hand and forearm, or the board in the hand, come to be in the panel, metres."""
     boxes: list[Box] = boxes_of(WorldObject.of(device("panel", PANEL)))
     places, turned = posed(body, shown)
     if manual:
-        held, _ = points_of(task, "right", task.world[21])
-        hand = INDEX["right_hand"]
+        held, _ = points_of(task, side, task.world[21])
+        hand = INDEX[f"{side}_hand"]
         points = places[:, hand, None] + rotate(turned[:, hand, None], held)
     else:
-        links = [INDEX["right_lower_arm"], INDEX["right_hand"], *fingers("right")]
+        links = [INDEX[f"{side}_lower_arm"], INDEX[f"{side}_hand"], *fingers(side)]
         ends = places[:, links] + rotate(turned[:, links], body.skeleton.tips[links])
         points: Array = np.concatenate([places[:, links], ends, 0.5 * (places[:, links] + ends)], axis=1)
     return float(max(-box.gap(points).min() for box in boxes))
@@ -87,3 +93,23 @@ def test_in_hand_tells_what_each_hand_holds() -> None:
     assert thing is not None
     assert thing.name == "manual"
     assert task.in_hand("left") is None
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(("side", "x", "y"), [("right", 1.15, -1.4), ("left", 1.2, 1.4)])
+def test_what_is_carried_past_a_panel_keeps_out_of_it(name: str, side: str, x: float, y: float) -> None:
+    """The board stands out to the panel's side, 0.3 m beside the way."""
+    body = holding(name, side, (x, y, float(np.degrees(np.arctan2(-y, 0.0)))))
+    manual_there = device("manual", body.grip(int(side == "left")).then(IN_PALM))
+    world = [numbered(device("panel", PANEL), 20), numbered(manual_there, 21)]
+    start = begun(
+        body, None, "", {}, motion=WALKS, world=world, busy=[side], held={side: 21}, goal=Goal(place=(x, -y, 0.0))
+    )
+    shown, task = body.do("walk", start), HumanTask(start)
+    assert abs(shown[-1].root[1] + y) < 0.05
+    for manual in (False, True):
+        assert depth(body, shown, task, manual=manual, side=side) < -0.01
+    rotations = np.array([pose.rotations for pose in shown])
+    arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
+    turned = to_rotation_vector(multiply(conjugate(rotations[:-1, arm]), rotations[1:, arm]))
+    assert np.degrees(np.linalg.norm(turned, axis=-1)).max() < 4.0

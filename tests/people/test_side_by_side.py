@@ -139,3 +139,20 @@ def touching(body: Body, other: Body, frame: Transform) -> HumanTask:
     task = HumanTask(begun(body, panel, "screen", {"field": "start"}, world=[beside(other)]))
     assert sum(len(rows) for rows in program("touch")(task)) > 60
     return task
+
+
+def test_a_keyboard_is_typed_on_when_the_other_s_hand_has_left_the_keys() -> None:
+    frame = at(1.0, 2.0, 0.9)
+    ken, aiko = before("ken", frame, 0.42, 0.62), before("aiko", frame, 0.36)
+    assert typing(aiko, ken, frame).notes == []  # his arms hang beside him
+    reach = begun(ken, device("keyboard", frame), "keys", {"before": 0.08, "turn": "free"}, hand="left")
+    shown = ken.do("reach", reach)
+    ken.rotations, ken.root = shown[-1].rotations, shown[-1].root
+    assert typing(aiko, ken, frame).notes == ["waits for ken, whose arm is in the way"]
+
+
+def typing(body: Body, other: Body, frame: Transform) -> HumanTask:
+    """The task of one who has typed a letter while the other was as they are, who does not move."""
+    task = HumanTask(begun(body, device("keyboard", frame), "keys", {"text": "JF"}, world=[beside(other)]))
+    assert sum(len(rows) for rows in program("touch_type")(task)) > 60
+    return task
