@@ -37,7 +37,7 @@ _SWING = np.radians(4.5)  # of an elbow whose joints give way, in a frame at the
 _SLOWER = np.radians([4.5, 3.0])  # the same, where its joints turn too fast else
 _SOFTLY = 10  # frames
 _FOLDED = 0.45  # of the arm's length: nearer to its own shoulder a hand on its way turns the arm fast
-_FARTHER = 0.12, 0.24  # metres ahead, by which the way's middle then keeps away from there
+_FARTHER = 0.12, 0.24  # metres ahead, or out to its side, by which the way's middle then keeps away from there
 _AIR = 0.002  # metres between the skin and things on the way
 _NEARLY, _FULLY = 0.94, 0.985  # of the arm's length, on the way: from where on it is spared, and what it never is
 _ENDS, _SOFTEST = 0.15, 10  # of the time, at either end, in which it may be stretched as it is there; frames at least
@@ -87,15 +87,15 @@ def solved(plan: Plan, body: Bearing, then: Array) -> Steps[ArmOnWay]:
 
 
 def farther(plan: Plan, body: Bearing) -> list[Plan]:
-    """The same by ways that keep away from the own shoulder; none where this one does."""
+    """The same by ways that keep away from the own shoulder, before or beside it; none where this one does."""
     reacher, (_, turned) = plan.reacher, body.spine
     wrist = reacher.hand(plan.palms(body.time))[0]
     off = np.linalg.norm(wrist - reacher.shoulder(body.spine), axis=-1)
     nearest = int(off.argmin())
     if off[nearest] >= _FOLDED * reacher.length or nearest in (0, len(off) - 1):
         return []
-    ahead = rotate(turned[nearest], np.array([0.0, 0.0, -1.0]))
-    return [plan.moved(by * ahead) for by in _FARTHER]
+    ahead, out = (rotate(turned[nearest], np.array(axis)) for axis in ([0.0, 0.0, -1.0], [0.0, reacher.sign, 0.0]))
+    return [plan.moved(by * way) for way in (ahead, out) for by in _FARTHER]
 
 
 def fastest_of(rotations: Array) -> float:

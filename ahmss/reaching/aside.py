@@ -17,7 +17,7 @@ from ahmss.body.array import Array
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.prism import Prism, clearance
 
-__all__ = ["AIR", "Aside", "kept_aside", "nearest"]
+__all__ = ["AIR", "Aside", "kept_aside", "nearest", "ramp"]
 
 AIR = 0.025
 """Metres between skin and things."""
@@ -28,6 +28,7 @@ _LAG = 0.07  # seconds of each of the lags
 _COMES_BACK = 0.97  # of what an arm was to be moved by, what is left a frame later where there is room
 _ROUNDS = 4  # of moving them out of one thing after the other
 _BEFORE, _SOFT, _BEGINS = 16, 6.0, 24  # frames by which a known way goes aside sooner, over which softly, at first
+_SPARSE = 3  # every so many frames of a known way are looked at
 _ENOUGH, _STILL = 5e-4, 1e-5  # metres
 _FACES_IT = 0.3  # of a way out, what is less to the side of a body's way is none: it goes head on
 
@@ -85,18 +86,24 @@ def kept_aside(prisms: Sequence[Prism], points: Array, radii: Array) -> Array:
     if not prisms:
         return moved
     room = radii + AIR
-    begins = minimum_jerk(np.arange(1, len(points) + 1) / _BEGINS)
+    seen = points[::_SPARSE]
     for _ in range(_ROUNDS):
-        at = points + moved[:, None]
+        at = seen + moved[::_SPARSE, None]
         lack = room - clearance(prisms, at, float(room.max()))
         frame, worst = np.unravel_index(int(lack.argmax()), lack.shape)
         if lack[frame, worst] < _ENOUGH:
             break
         out = nearest(prisms, at[frame, worst]).way_out(at[frame, worst])
-        most = maximum_filter1d(np.maximum(lack.max(axis=-1), 0.0), 2 * _BEFORE + 1, mode="nearest")
-        moved += (begins * gaussian_filter1d(most, _SOFT, mode="nearest"))[:, None] * out
+        needed = np.repeat(np.maximum(lack.max(axis=-1), 0.0), _SPARSE)[: len(points)]
+        moved += ramp(needed)[:, None] * out
     length = np.linalg.norm(moved, axis=-1, keepdims=True)
     return moved * np.minimum(1.0, _MOST / np.maximum(length, 1e-9))
+
+
+def ramp(needed: Array) -> Array:
+    """What is needed at frames (F,), at first 0, sooner and later than that, softly, so that it is there in time."""
+    most = maximum_filter1d(needed.astype(float), 2 * _BEFORE + 1, mode="nearest")
+    return minimum_jerk(np.arange(1, len(most) + 1) / _BEGINS) * gaussian_filter1d(most, _SOFT, mode="nearest")
 
 
 def nearest(prisms: Sequence[Prism], point: Array) -> Prism:

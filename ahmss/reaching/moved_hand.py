@@ -16,8 +16,9 @@ __all__ = ["with_hand_moved"]
 _SOFT, _FULLY = 0.985, 0.996  # of the arm's length: from where on it gives less, and what it is not stretched beyond
 
 
-def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Array) -> Array:
-    """The arm's rows (..., 3, 4) of poses (..., 43, 4), (..., 3) whose hand is moved by (..., 3) metres in the world.
+def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Array, swung: Array | None = None) -> Array:
+    """The arm's rows (..., 3, 4) of poses (..., 43, 4), (..., 3) whose hand is moved by (..., 3) metres in the world,
+    and whose elbow is swung by (...) radians about the line from shoulder to wrist.
 
     The hand is turned no farther than its joints allow, but where it was beyond that it may be so still.
     """
@@ -27,7 +28,9 @@ def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Arra
     wrist = wrist_of(arm, links)
     place = wrist.place + rotate(conjugate(turn), moved)
     wrist = Wrist(_within(reacher.length, place, np.linalg.norm(wrist.place, axis=-1)), wrist.rotation)
-    made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(np.zeros(place.shape[:-1]))
+    made = swing_of(arm, wrist, present_side(arm, links, wrist.place)).links(
+        np.zeros(place.shape[:-1]) if swung is None else swung
+    )
     held, (low, high) = hand_angles(links), limits_of(arm)[HAND].T
     made = with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
     return align(arm.into_pose(made), before)

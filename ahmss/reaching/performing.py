@@ -16,9 +16,10 @@ from ahmss.body.links import INDEX
 from ahmss.motion.steps import Steps
 from ahmss.reaching.arm_on_way import ArmOnWay, farther, fastest_of, solved
 from ahmss.reaching.bearing import SHAPED_BY, Bearing, Fingers, bearing_of
-from ahmss.reaching.other_arm import other_arm
+from ahmss.reaching.other_arm import other_arm, out_of_things
 from ahmss.reaching.plan import Plan
 from ahmss.reaching.reacher import SIDES, Reacher
+from ahmss.reaching.standing import Posture
 
 __all__ = ["SHAPED_BY", "Fingers", "Performed", "perform"]
 
@@ -90,11 +91,20 @@ def perform(
 
 
 def _other_arm(plan: Plan, body: Bearing) -> Steps[Array]:
-    """The other arm's rows (F, 3, 4): its hand stays where it was beside the hips, upright if it was, as they move."""
+    """The other arm's rows (F, 3, 4): its hand stays where it was beside the hips, upright if it was, as they move,
+    but for things that it is over there, a table's top, say.
+    """
     reacher = Reacher.of(plan.reacher.skeleton, SIDES[1 - plan.reacher.row])
     hips = np.repeat(plan.hands[reacher.row][None], len(body.time), axis=0)
     hips[:, :3] += body.trunk.root - plan.start.root
-    return other_arm(reacher, plan.start.rotations[reacher.links], body.begun(plan, reacher.row, hips), body.spine)
+    begun = body.begun(plan, reacher.row, hips)
+    rows = yield from other_arm(reacher, plan.start.rotations[reacher.links], begun, body.spine)
+    if not plan.near:
+        return rows
+    yield
+    rotations = body.seen.copy()
+    rotations[:, reacher.links] = rows
+    return (yield from out_of_things(reacher, plan.near, plan.start, Posture(rotations, body.trunk.root)))
 
 
 def _performed(

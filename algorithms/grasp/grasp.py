@@ -15,6 +15,7 @@ from ahmss.algorithm import HumanTask, Transform, importance_of, run
 from ahmss.algorithm.at_ease import resampled, times_at_ease
 from ahmss.algorithm.closing_carried import closing_carried
 from ahmss.algorithm.closing_way import fingers_at, moved_at, palms_at
+from ahmss.algorithm.free_arm import free_arm_kept_out
 from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.algorithm.meanwhile import waited
 from ahmss.body.array import Array
@@ -72,7 +73,12 @@ def _closes(task: HumanTask, side: str, grip: Transform, still: Array) -> Iterat
     shapes = fingers_at(time, task.start.rotations[list(fingers(side))], end.shape, end.wide, end.by)
     palms = palms_at(time, grip.row(), end.palm.row(), end.out, end.by)
     rows = _frames(task, side, shapes, (palms, moved_at(time, end.by)), end.spine)
-    yield rows if task.carried else resampled(rows, times_at_ease(task, rows, fingers(side), wish=wish))
+    if task.carried:
+        yield rows
+        return
+    if end.spine is not None:
+        rows = free_arm_kept_out(task, side, rows)
+    yield resampled(rows, times_at_ease(task, rows, fingers(side), wish=wish))
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:

@@ -26,10 +26,11 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
+from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import clearance
-from ahmss.reaching.reacher import heading_of
+from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
@@ -37,6 +38,10 @@ SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
 MOST_OFF, MOST_ASKEW = 0.005, 3.0  # metres and degrees by which it may come down beside its place
 EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
+STRETCHED, SURELY = (
+    0.98,
+    0.955,
+)  # of the arm's length, at the end: farther one steps nearer; so far from where one will stand
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 UP = np.array([0.0, 0.0, 1.0])
@@ -54,9 +59,14 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     if (isinstance(laid, AlgorithmError) or laid.poor) and task.library is not None:
         goal = partial(_goal, task, held, turns=ANYHOW)
         try:
-            task, gaze = yield from gone_nearer(task, gaze.place, goal, gaze, prisms_of(task), MOST_OFF)
+            task, gaze = yield from gone_nearer(
+                task, gaze.place, goal, gaze, prisms_of(task), partial(_lacks, task, most=SURELY)
+            )
         except AlgorithmError as error:
-            laid = error if isinstance(laid, AlgorithmError) else laid  # nowhere is better than here
+            if isinstance(laid, AlgorithmError):
+                raise
+            if laid.bad:
+                raise AlgorithmError(f"from here {laid.bad}, and {error}") from None
         else:
             laid = yield from _laid(task, held, gaze)
             if isinstance(laid, AlgorithmError):
@@ -67,12 +77,23 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     yield at_ease(task, laid.rows)
 
 
+def _lacks(task: HumanTask, arm: Stretch, most: float = STRETCHED) -> str:
+    """What an arm lacks to lay something down well, stretched by so much of its length at the most, as a clause; ""."""
+    short = (arm.stretched - most) * Reacher.of(task.human, task.hand).length
+    if short > 0.0:
+        return f"the {task.hand} arm is {max(short, 0.01):.2f} m too short to lay it there at ease"
+    return "" if arm.found else f"the {task.hand} hand can't be turned so that it stands there"
+
+
 @dataclass(frozen=True)
 class Laid:
-    """POSE rows (n, 260) of it; poor: whether the arm is in things on its way or at its end, or beyond its limits."""
+    """POSE rows (n, 260) of it; poor: whether the arm is in things, beyond its limits or stretched out; bad: why one
+    had better leave it, as a clause, or "".
+    """
 
     rows: Array
     poor: bool
+    bad: str
 
 
 def _laid(task: HumanTask, held: Transform, gaze: Looking) -> Generator[Array, None, Laid | AlgorithmError]:
@@ -118,8 +139,10 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
             f"from here {task.object.name} would come down {1000.0 * off:.0f} mm beside its "
             f"place and {askew:.0f} degrees askew, as far as the {task.hand} arm goes; say a place that is easier"
         )
-    poor = made.flaw > TOUCHES or _depth(task, made) > DEEP
-    return Laid(task.block(made.rotations, made.root, made.importance, made.targets), poor)
+    lacks, depth = _lacks(task, plan.arm), _depth(task, made)
+    deep = f"the {task.hand} arm would be {1000.0 * depth:.0f} mm in something" if depth > DEEP else ""
+    poor = bool(lacks or deep) or made.flaw > TOUCHES
+    return Laid(task.block(made.rotations, made.root, made.importance, made.targets), poor, lacks or deep)
 
 
 def _depth(task: HumanTask, made: Performed) -> float:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ahmss.body.quaternion import rotate
+from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.smoothness import worst_pop
 
@@ -53,6 +55,41 @@ do cup grasp
 do cup lift
 do cup put to 0.088 0.082
 do cup release
+wait 0.2
+"""
+IN_THE_ROOM = """
+add room
+human ken body ken at 0 0 facing -20
+do cup grasp
+do cup lift
+do cup put to 0.9 -0.2
+do cup release
+do cup grasp hand left
+do cup lift
+wait 0.2
+"""
+TURNS_BESIDE = """
+add floor
+add table at 42 0 0 facing -1.5
+add cup at 41.6658 -0.2088 0.88
+human ken body ken at 41.216 -0.197 facing -1.5
+do cup grasp
+do cup put to 42.146 -0.221
+wait 0.2
+"""
+AMIDST = """
+add floor
+add table at 0.77 0.2
+add table at 1.77 0.2
+add table at 0.77 1.4
+add table at 1.77 1.4
+add table at 0.77 -1
+add table at 1.77 -1
+add cup at 0.42 -0.15 0.88
+human ken body ken at -0.05 -0.15 facing 0
+do cup grasp
+do cup lift
+do cup put to 1.0 -0.15
 wait 0.2
 """
 TOP = 0.88  # metres
@@ -152,3 +189,58 @@ def test_where_the_elbow_would_be_in_the_table_one_steps_nearer(tmp_path: Path) 
     np.testing.assert_allclose(shown.objects["cup"][-1, :3], [0.088, 0.082, TOP], atol=2e-3)
     skin = met(tmp_path / "r.rec", "ken", ROOT, 2)
     assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004, skin[0]
+
+
+def test_nobody_reaches_through_a_wall_and_what_was_put_far_off_is_taken_again(tmp_path: Path) -> None:
+    """The nearest place to stand would be behind the room's wall, the other ways to bend flat over the table."""
+    (tmp_path / "put.txt").write_text(IN_THE_ROOM)
+    setup = PlaySetup(workspace=str(ROOT), fast=True, record=tmp_path / "r.rec")
+    assert play_script(tmp_path / "put.txt", setup).failures == 0
+    shown = Recorded.read(tmp_path / "r.rec", "ken", (CUP,))
+    assert shown.root[:, 1].min() > -0.4  # the wall is at -0.5
+    trunk = rotate(shown.links[1][:, INDEX["spine"]], np.array([1.0, 0.0, 0.0]))
+    assert trunk[:, 2].min() > 0.4
+    assert fastest_arm(shown) < 7.0
+    skin = met(tmp_path / "r.rec", "ken", ROOT, 2, 0.002)
+    assert [one for one in skin if one.thing != CUP] == []
+
+
+def test_who_steps_to_a_put_keeps_the_free_hand_out_of_the_table_from_the_first_step_on(tmp_path: Path) -> None:
+    (tmp_path / "put.txt").write_text(TURNS_BESIDE)
+    setup = PlaySetup(workspace=str(ROOT), fast=True, record=tmp_path / "r.rec")
+    assert play_script(tmp_path / "put.txt", setup).failures == 0
+    shown = Recorded.read(tmp_path / "r.rec", "ken", ("cup",))
+    np.testing.assert_allclose(shown.objects["cup"][-1, :3], [42.146, -0.221, TOP], atol=2e-3)
+    assert fastest_arm(shown) < 7.0
+    assert [one for one in met(tmp_path / "r.rec", "ken", ROOT, 1, 0.002) if one.thing == "table"] == []
+
+
+def test_a_place_that_is_too_low_or_too_far_off_is_refused_before_anybody_moves(tmp_path: Path) -> None:
+    shown, _, told = said(tmp_path, "-0.5 0.6", "do cup put to 14 9\n")
+    low, far = told
+    assert re.search(r"-0.50 0.60 0.00 is too low, 0.9\d m under the hips: .*; say a place that is higher", low)
+    assert re.search(r"14.00 9.00 0.00 is 1\d.\d m from here, too far to step there; walk to it first", far)
+    feet = shown.links[0][:, [INDEX["right_foot"], INDEX["left_foot"]]]
+    assert np.ptp(feet, axis=0).max() < 0.005
+    assert shown.holders["cup"][-1] == "ken"
+
+
+def test_in_the_midst_of_tables_the_nearest_place_that_serves_is_told(tmp_path: Path) -> None:
+    (tmp_path / "put.txt").write_text(AMIDST)
+    report = play_script(tmp_path / "put.txt", PlaySetup(workspace=str(ROOT), fast=True))
+    (line,) = [line for main in report.mains for line in main["messages"]]
+    found = re.search(
+        r"nobody can stand nearer to 1.00 -0.15 0.88 than \d.\d\d m; the nearest place that serves is (.*)", line
+    )
+    assert found, line
+    x, y, z = map(float, found[1].split())
+    assert z == pytest.approx(TOP)
+    (tmp_path / "put.txt").write_text(AMIDST.replace("put to 1.0 -0.15", f"put to {x} {y}"))
+    assert play_script(tmp_path / "put.txt", PlaySetup(workspace=str(ROOT), fast=True)).failures == 0
+
+
+def fastest_arm(shown: Recorded) -> float:
+    """Degrees that a joint of an arm turns in a frame at the most."""
+    turned = to_rotation_vector(multiply(conjugate(shown.rotations[:-1]), shown.rotations[1:]))
+    arms = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_arm", "lower_arm", "hand")]
+    return float(np.degrees(np.linalg.norm(turned[:, arms], axis=-1).max()))
