@@ -92,13 +92,17 @@ def sides_of(task: HumanTask) -> tuple[str, ...]:
     return free
 
 
-def prisms_of(task: HumanTask) -> list[Prism]:
-    """What may be in the way: the object and its neighbours, each as the boxes that it tells, or as high as it says."""
+def prisms_of(task: HumanTask, besides: WorldObject | None = None) -> list[Prism]:
+    """What may be in the way: the object and its neighbours, each as the boxes that it tells, or as high as it says.
+
+    Args:
+        task: whose object is sought. besides: what else fingers come close to, as a cradle into which it is laid.
+    """
     things = [] if task.object is None else [task.object]
     things += [thing for thing in task.world.values() if thing.kind != "human"]
     found: list[Prism] = []
     for thing in things:
-        sought = thing is task.object
+        sought = thing is task.object or thing is besides
         if boxes := boxes_of(thing):
             found += [box.prism(sought=sought) for box in boxes]
             continue

@@ -39,7 +39,7 @@ class NoWay(AlgorithmError):
     """
 
     def __init__(self, sentence: str | Callable[[], str]) -> None:
-        super().__init__(sentence)
+        super().__init__()
         self._sentence = sentence
 
     @cached_property

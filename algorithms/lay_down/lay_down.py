@@ -18,6 +18,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.nearer import gone_nearer
+from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
@@ -29,21 +30,19 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
-from ahmss.reaching.prism import clearance
+from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
+ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 MOST_OFF, MOST_ASKEW = 0.005, 3.0  # metres and degrees by which it may come down beside its place
 EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
-STRETCHED, SURELY = (
-    0.98,
-    0.955,
-)  # of the arm's length, at the end: farther one steps nearer; so far from where one will stand
+STRETCHED = 0.98  # of the arm's length, at the end: farther one steps nearer
+SURELY = 0.955  # the same from where one will stand
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
-ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -60,7 +59,7 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
         goal = partial(_goal, task, held, turns=ANYHOW)
         try:
             task, gaze = yield from gone_nearer(
-                task, gaze.place, goal, gaze, prisms_of(task), partial(_lacks, task, most=SURELY)
+                task, gaze.place, goal, gaze, _prisms(task), partial(_lacks, task, most=SURELY)
             )
         except AlgorithmError as error:
             if isinstance(laid, AlgorithmError):
@@ -106,7 +105,7 @@ def _laid(task: HumanTask, held: Transform, gaze: Looking) -> Generator[Array, N
     for turns in (ANYHOW,) if is_round else (TURNS, ANYHOW):
         goal = _goal(task, held, heading_of(task.start.rotations, task.start.root), turns)
         try:
-            plan = yield from planned(task, reaching, goal, gaze, prisms_of(task), OVER * UP, most=MOST_OFF)
+            plan = yield from planned(task, reaching, goal, gaze, _prisms(task), OVER * UP, most=MOST_OFF)
             found = yield from _performed(task, reaching, plan, gaze)
         except AlgorithmError as error:
             found = error
@@ -150,7 +149,7 @@ def _depth(task: HumanTask, made: Performed) -> float:
     points, radii = skin_of(made.plan.reacher, made.rotations[::EVERY], made.root[::EVERY])
     far = float(radii.max())
     low, high = points.min(axis=(0, 1)) - far, points.max(axis=(0, 1)) + far
-    near = [prism for prism in prisms_of(task) if not prism.sought and prism.meets(low, high)]
+    near = [prism for prism in _prisms(task) if not prism.sought and prism.meets(low, high)]
     return float((radii - clearance(near, points, far)).max()) if near else 0.0
 
 
@@ -171,12 +170,25 @@ def _rests(task: HumanTask, facing: float, turns: Array) -> Transform:
     if task.goal_place is not None:
         turned = from_axis_angle(UP, facing + np.pi + turns)
         return Transform(np.repeat(task.goal_place[None], len(turned), axis=0), turned)
-    rest, inside = task.parameter("rest", ""), task.object.name.rpartition("/")[0]
-    home = next((thing for thing in task.world.values() if thing.name == inside and rest in thing.sites), None)
+    home = _home(task)
     if home is None:
         raise AlgorithmError(f"{task.object.name} belongs nowhere here; say a place, as: to X Y Z")
-    frame = home.site(rest, task.start.root)
+    frame = home.site(task.parameter("rest", ""), task.start.root)
     return Transform(frame.place[None], frame.rotation[None])
+
+
+def _home(task: HumanTask) -> WorldObject | None:
+    """What contains it and has a place for it, where it is to lie there."""
+    assert task.object is not None
+    rest, inside = task.parameter("rest", ""), task.object.name.rpartition("/")[0]
+    if task.goal_place is not None:
+        return None
+    return next((thing for thing in task.world.values() if thing.name == inside and rest in thing.sites), None)
+
+
+def _prisms(task: HumanTask) -> list[Prism]:
+    """What may be in the way; into what it is laid the fingers that hold it come, too."""
+    return prisms_of(task, _home(task))
 
 
 def _then(task: HumanTask, palm: Array) -> tuple[Array, Array]:

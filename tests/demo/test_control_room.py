@@ -67,6 +67,19 @@ def test_it_has_twenty_steps_for_two() -> None:
     assert np.linalg.norm(stand[1] - stand[0]) > 0.75  # side by side, clear of each other's arms
 
 
+def test_the_handset_comes_back_into_its_cradle_from_where_it_was_taken(tmp_path: Path) -> None:
+    """The telephone's own box is nothing that the hand which lays it there must keep out of."""
+    lines = [line for line in SCRIPT.read_text().splitlines() if re.match(r"add|human|aiko: do (tele|hand)", line)]
+    script, path = tmp_path / "call.txt", tmp_path / "call.rec"
+    script.write_text("\n".join(lines) + "\n")
+    report = play_script(script, PlaySetup(workspace=ROOT, fast=True, record=path))
+    assert report.failures == 0, str(report)
+    assert not [note for main in report.mains for note in main["notes"] if "goes to" in note]
+    changes, _, world = followed(path)
+    assert of(changes, "telephone", "hook") == ["off", "on"]
+    assert world.pose("telephone/handset")[:3] == pytest.approx([-0.1, 1.25, 0.92], abs=0.005)
+
+
 @pytest.mark.long
 @pytest.mark.timeout(240)
 def test_the_pump_runs_in_the_end_and_everything_came_in_its_order(tmp_path: Path) -> None:
