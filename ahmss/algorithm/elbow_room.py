@@ -2,7 +2,7 @@
 
 Others are where they are now: trunk, upper arms, forearms, hands, each as a segment with a thickness. Of the ways
 that a reach may take, that is better which comes least near to them; where an arm of somebody would be met all the
-same, and it works there, one waits before one's own goes out, for a while.
+same, and it works there, one waits before one's own goes out, for a while. So one does for who walks by, as they tell.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ _AIR = 0.02  # metres that are kept between an arm and another human
 _SPARSE = 3  # every so many frames of a way are looked at
 _PATIENCE = 6.0  # seconds that one waits for an arm that moves, or has moved so lately:
 _IDLE, _SEEN = 1.0, 0.5  # seconds; who holds it there longer may do so for good; who is seen first to hold it, sooner
+_SOON, _FINELY = 4, 4  # of the places that a way tells, and in between
+_GOES = 0.15  # metres that they go to there: who goes less far stands
 _MOVES = 0.004  # metres of a hand, in a frame more or less, that are no breathing
 _ARM = ("shoulder", "elbow", "hand", "fingers")
 _THICK = np.array([0.05, 0.042, 0.03])  # metres, around upper arm, forearm, hand
@@ -41,29 +43,51 @@ def others_near(task: HumanTask) -> list[WorldObject]:
 
 def crowding(task: HumanTask, made: Performed, side: str) -> float:
     """Metres by which an arm on its way would come nearer to others than one keeps, as they are now; else 0."""
-    return max(0.0, *(_nearest(task, made, side, other) for other in others_near(task))) if others_near(task) else 0.0
+    if not others_near(task):
+        return 0.0
+    own = _own(task, side, made.rotations[::_SPARSE], made.root[::_SPARSE])
+    return max(0.0, *(_nearest(own, _segments(task, other)) for other in others_near(task)))
 
 
 def awaited(task: HumanTask, made: Performed, side: str, gaze: Looking) -> Generator[Array, None, bool]:
-    """Frames (1, 260) of looking there while somebody's arm that works is in the way; whether there were any.
+    """Frames (1, 260) of looking there while an arm that works is in the way or somebody comes; whether there were any.
 
     Args:
         task: who reaches; where the number of frames was said nobody waits. made: the way. side: the hand. gaze: on it.
     """
     waited, watched = 0, {other.id: _Watched(task, other) for other in others_near(task)}
-    while not task.length and waited < _PATIENCE * task.rate:
+    own = _own(task, side, made.rotations[::_SPARSE], made.root[::_SPARSE]) if watched else None
+    while own is not None and not task.length and waited < _PATIENCE * task.rate:
         hinders = [
-            other
+            (other, why)
             for other in others_near(task)
-            if other.id in watched and watched[other.id].works() and _nearest(task, made, side, other) > 0.0
+            if other.id in watched and (why := _hinders(task, own, other, watched[other.id]))
         ]
         if not hinders:
             break
         if not waited:
-            task.note(f"waits for {hinders[0].name}, whose arm is in the way")
+            task.note(f"waits for {hinders[0][0].name}, {hinders[0][1]}")
         waited += 1
         yield gaze.alone()
     return waited > 0
+
+
+def _hinders(task: HumanTask, own: tuple[Array, Array], other: WorldObject, watched: _Watched) -> str:
+    """How somebody is in the way of an arm, in words: their arm works there, or they will be there soon; "": not."""
+    begins, ends, radii = _segments(task, other)
+    works = watched.works()
+    if works and _nearest(own, (begins, ends, radii)) > 0.0:
+        return "whose arm is in the way"
+    soon = np.zeros((0, 2)) if other.way is None else other.way[:_SOON] - other.place[:2]
+    if len(soon) and np.linalg.norm(soon[-1]) > _GOES:
+        soon = np.concatenate([np.zeros((1, 2)), soon])
+        at = np.arange(_FINELY * (len(soon) - 1) + 1) / _FINELY
+        x, y = (np.interp(at, np.arange(len(soon)), axis) for axis in soon.T)
+        on = np.stack([x, y, np.zeros(len(at))], axis=-1)
+        there = (begins + on[:, None]).reshape(-1, 3), (ends + on[:, None]).reshape(-1, 3), np.tile(radii, len(on))
+        if _nearest(own, there) > 0.0:
+            return "who comes by"
+    return ""
 
 
 class _Watched:
@@ -86,10 +110,12 @@ class _Watched:
         return np.stack([self._other.site(f"{side}_hand", self._task.start.root).place for side in ("right", "left")])
 
 
-def _nearest(task: HumanTask, made: Performed, side: str, other: WorldObject) -> float:
-    """Metres by which the arm comes nearer to another human than one keeps, where it is not so near already."""
-    points, thick = _own(task, side, made.rotations[::_SPARSE], made.root[::_SPARSE])
-    begins, ends, radii = _segments(task, other)
+def _nearest(own: tuple[Array, Array], other: tuple[Array, Array, Array]) -> float:
+    """Metres by which an arm's points (n, m, 3), radii (m,), come nearer to another's segments than one keeps, where
+    they are not so near already.
+    """
+    points, thick = own
+    begins, ends, radii = other
     gap = np.full(len(points), np.inf)
     for begin, end, radius in zip(begins, ends, radii, strict=True):
         along = end - begin

@@ -5,6 +5,7 @@ What the shipped algorithms that take the body somewhere share, and an author ma
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -31,8 +32,8 @@ from ahmss.walking.pieces import LOOKS
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 __all__ = [
-    "IMPORTANCE", "Stance", "ground_of", "in_hands", "in_time", "rows_of", "stepped", "until_free", "walk_library",
-    "walkers",
+    "IMPORTANCE", "Stance", "ground_of", "in_hands", "in_the_way", "in_time", "rows_of", "stepped", "until_free",
+    "walk_library", "walkers",
 ]  # fmt: skip
 
 _FEET = slice(2, 4)
@@ -43,6 +44,7 @@ _CARES = {
 _MISSED = 3  # frames for which who moves may not have been seen
 _HUNG = 0.1  # seconds for which nothing is heard of who goes: they hang
 _OUT = np.array([[1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [1.0, -1.0, -1.0]])  # ways to its corners
+_OUT_FROM, _LESS = 0.45, 0.35  # metres from a body to fingers that are held out; by which one keeps nearer to them
 _PATIENCE = 15.0  # seconds that one stands and waits for others to go
 
 
@@ -101,6 +103,32 @@ def in_hands(task: HumanTask) -> dict[str, Array]:
     return found
 
 
+def in_the_way(task: HumanTask) -> list[Walker]:
+    """Who else is on the floor now, and the arms that those who stand hold out, where algorithm.toml asks for `arms`.
+
+    Of an arm one keeps less far than of a body: it is told as if somebody stood so far nearer to whose it is.
+    """
+    there = walkers(task)
+    arms = [_held_out(human, walker) for human, walker in zip(_others(task), there, strict=True)]
+    return [*there, *itertools.chain(*arms)]
+
+
+def _held_out(human: WorldObject, walker: Walker) -> Iterator[Walker]:
+    """What the arms of who stands take up of the floor beside them."""
+    if not walker.stays or "right_fingers" not in human.sites:
+        return
+    for side in ("right", "left"):
+        off = human.site(f"{side}_fingers", human.place).place[:2] - walker.place
+        out = float(np.linalg.norm(off))
+        if out > _OUT_FROM:
+            place = walker.place + (1.0 - _LESS / out) * off
+            yield Walker(place, np.zeros(2), name=walker.name, way=staying(place))
+
+
+def _others(task: HumanTask) -> list[WorldObject]:
+    return [human for human in task.world.values() if human.kind == "human"]
+
+
 def walkers(task: HumanTask) -> Sequence[Walker]:
     """Who else is on the floor now, and where they go; nobody where algorithm.toml does not ask for `humans`.
 
@@ -108,9 +136,7 @@ def walkers(task: HumanTask) -> Sequence[Walker]:
     tells that they move, and is heard of no more, has lost its main or waits for it, and stands.
     """
     found: list[Walker] = []
-    for human in task.world.values():
-        if human.kind != "human":
-            continue
+    for human in _others(task):
         k, faces = float(task.present.k), 2.0 * np.arctan2(human.rotation[3], human.rotation[0])
         seen = [*human.seen] if human.seen and human.seen[-1][0] > k - _MISSED else []
         track = np.array([*seen, (k, *human.place[:2], faces)] if not seen or seen[-1][0] < k else seen)
@@ -198,7 +224,7 @@ def stepped(
     rotations, root = start.rotations.copy(), start.root.copy()
     held = _held(task)
     trip = Trip(
-        task.human, library, ground, goal.place, goal.facing, others=partial(walkers, task), note=task.note,
+        task.human, library, ground, goal.place, goal.facing, others=partial(in_the_way, task), note=task.note,
         held=task.busy, rests=lambda: task.rests, things=in_hands(task),
     )  # fmt: skip
     task.refuse_rest()

@@ -162,7 +162,8 @@ class Description:
 
     def _with_arms(self, told: messages.ObjectRecord, root: Array) -> messages.ObjectRecord:
         """A human with its sites, where arms are asked for and it is near a root (3,)."""
-        if not self._entry.arms or float(np.linalg.norm(np.array(told.place)[:2] - root[:2])) > _AT_HAND:
+        near = _NEAR if self._entry.carries else _AT_HAND  # who goes there comes near to others
+        if not self._entry.arms or float(np.linalg.norm(np.array(told.place)[:2] - root[:2])) > near:
             return told
         if told.name not in self._scene.objects or self._scene.objects[told.name].kind != KIND:
             return told  # an object that is called like a human hides it

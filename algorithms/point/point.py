@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.elbow_room import awaited
 from ahmss.algorithm.facing import faced
 from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
@@ -56,6 +57,8 @@ def point(task: HumanTask) -> Iterator[Array]:
     yield gaze.alone()
     plan = yield from _planned(task, reaching, (side, posture, palms), gaze)
     made = yield from _made(task, reaching, plan, gaze)
+    if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
+        made = yield from _made(task, reaching, plan, gaze)  # the eyes have gone on
     yield _rows(task, made)
     if call := task.parameter("call", ""):
         task.note(f'calls: "{call}"')

@@ -13,7 +13,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.stepping import ground_of, in_hands, in_time, rows_of, walk_library, walkers
+from ahmss.algorithm.stepping import ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -43,7 +43,7 @@ def _walk(task: HumanTask) -> Iterator[Array]:
         yield _stays(task)
         return
     trip = Trip(
-        task.human, library, ground, goal.place, goal.facing, task.length, partial(walkers, task),
+        task.human, library, ground, goal.place, goal.facing, task.length, partial(in_the_way, task),
         task.note, task.busy, lambda: task.rests, in_hands(task),
     )  # fmt: skip
     tucking = Tucking(task)
