@@ -200,7 +200,7 @@ class Dialogue:
         return _next_ask(replace(draft, act=replace(draft.act, hand=hand)))
 
     def _frames(self, draft: _Draft, text: str) -> _Draft:
-        frames = _whole(text, 1) if text else draft.frames
+        frames = _whole(text, 1) if text else None  # the action's own, which it may stretch
         return replace(draft, step="fuse", act=replace(draft.act, frames=frames))
 
     def _fuse(self, draft: _Draft, text: str) -> _Draft | Line:

@@ -55,7 +55,7 @@ def test_an_action_without_a_number_of_frames_takes_as_many_as_it_needs(dialogue
     talk(dialogue, "floor", "stroll", "2 1")
     assert dialogue.question.prompt == "number of frames (nothing for as many as it needs)"
     _, line = talk(dialogue, "", "no")
-    assert line == Do((Act("room/floor", "stroll", goal_place=(2.0, 1.0), frames=0),))
+    assert line == Do((Act("room/floor", "stroll", goal_place=(2.0, 1.0)),))
 
 
 def test_fusing_goes_back_to_the_objects_and_asks_when_to_start(dialogue: Dialogue) -> None:
@@ -63,7 +63,7 @@ def test_fusing_goes_back_to_the_objects_and_asks_when_to_start(dialogue: Dialog
     assert asked[6:8] == ["start the next motion after how many frames", "object"]
     assert line == Do(
         (
-            Act("room/floor", "walk", goal_object="room/cup", frames=120),
+            Act("room/floor", "walk", goal_object="room/cup"),
             Act("room/cup", "grasp", hand="left", frames=50, after=40),
         )
     )
