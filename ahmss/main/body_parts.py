@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ahmss.body.links import INDEX, PARENTS
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import Site
 
-__all__ = ["Body", "parts"]
+__all__ = ["Body", "Parts"]
 
 _PALMS = {"right_palm": ("right_hand", 0), "left_palm": ("left_hand", 1)}  # links, and rows of a skeleton's grips
 _EYES = "eyes"
@@ -29,37 +30,57 @@ class Body:
     rotations: Array
     root: Array
 
+    @property
+    def pose(self) -> list[float]:
+        """The same in one row of 175: root, then rotations."""
+        return [*self.root.tolist(), *self.rotations.ravel().tolist()]
+
 
 @dataclass(frozen=True)
 class _Plan:
     """The links to be computed, parents first, and the sites on them.
 
-    chain: (link, place of its parent in the chain, offset). sites: (place in the chain, position, rotation) in a link.
+    chain: (where its rotation begins in a pose, place of its parent in the chain, offset). sites: (place in the chain,
+    position, rotation) in a link.
     """
 
     chain: tuple[tuple[int, int, Vector], ...]
     sites: tuple[tuple[int, Vector, Quaternion], ...]
 
 
-def parts(body: Body, sites: Sequence[Site]) -> list[list[float]]:
-    """Place and rotation (7) in the world of sites that belong to parts of a body.
+class Parts:
+    """Sites that belong to parts of bodies; `of` says where one human has them.
 
     A palm's frame is the grip's. The eyes' and each link's x points along the link, the eyes' ahead with z up.
     """
-    plan = _plan(body.skeleton, tuple((site.part, site.position, site.rotation) for site in sites))
-    rows = body.rotations.tolist()
-    places, world = [tuple(body.root.tolist())], [tuple(rows[0])]
-    for link, parent, offset in plan.chain:
-        (x0, y0, z0), q = places[parent], world[parent]
-        x, y, z = rotate(q, offset)
-        places.append((x0 + x, y0 + y, z0 + z))
-        world.append(multiply(q, rows[link]))
-    out: list[list[float]] = []
-    for at, position, rotation in plan.sites:
-        (x0, y0, z0), q = places[at], world[at]
-        x, y, z = rotate(q, position)
-        out.append([x0 + x, y0 + y, z0 + z, *multiply(q, rotation)])
-    return out
+
+    def __init__(self, sites: Iterable[Site]) -> None:
+        self._sites = tuple((site.part, site.position, site.rotation) for site in sites)
+        self._plans: dict[Skeleton, _Plan] = {}
+
+    def of(self, skeleton: Skeleton, pose: Sequence[float]) -> list[list[float]]:
+        """Place and rotation (7) in the world of each, of who is in that pose.
+
+        Args:
+            skeleton: the human's measures. pose: 175 numbers, as the world has them: root, then rotations of links.
+        """
+        plan = self._plans.get(skeleton)
+        if plan is None:
+            plan = self._plans[skeleton] = _plan(skeleton, self._sites)
+        numbers: Any = pose
+        places: list[Vector] = [tuple(numbers[:3])]
+        world: list[Quaternion] = [numbers[3:7]]
+        for row, parent, offset in plan.chain:
+            (x0, y0, z0), q = places[parent], world[parent]
+            x, y, z = rotate(q, offset)
+            places.append((x0 + x, y0 + y, z0 + z))
+            world.append(multiply(q, numbers[row : row + 4]))
+        out: list[list[float]] = []
+        for at, position, rotation in plan.sites:
+            (x0, y0, z0), q = places[at], world[at]
+            x, y, z = rotate(q, position)
+            out.append([x0 + x, y0 + y, z0 + z, *multiply(q, rotation)])
+        return out
 
 
 @lru_cache(maxsize=256)
@@ -67,7 +88,7 @@ def _plan(skeleton: Skeleton, sites: tuple[tuple[str, Vector, Quaternion], ...])
     frames = [_frame(skeleton, part) for part, _, _ in sites]
     order = [0, *sorted({link for last, _, _ in frames for link in _up_to_the_hips(last)})]  # parents come first
     at = {link: number for number, link in enumerate(order)}
-    chain = [(link, at[PARENTS[link]], tuple(skeleton.offsets[link].tolist())) for link in order[1:]]
+    chain = [(3 + 4 * link, at[PARENTS[link]], tuple(skeleton.offsets[link].tolist())) for link in order[1:]]
     placed: list[tuple[int, Vector, Quaternion]] = []
     for (link, (x0, y0, z0), turned), (_, position, rotation) in zip(frames, sites, strict=True):
         x, y, z = rotate(turned, position)

@@ -25,7 +25,18 @@ from ahmss.main.company import Everything, Humans, place_of
 from ahmss.main.delivery import deliver
 from ahmss.world.client import WorldClient
 from ahmss.world.link import Pending
-from ahmss.world.schema import Claim, Hello, ObjectRecord, Release, SetState, StateChange, StateValue, Transfer, Welcome
+from ahmss.world.schema import (
+    Claim,
+    Hello,
+    HumanRecord,
+    ObjectRecord,
+    Release,
+    SetState,
+    StateChange,
+    StateValue,
+    Transfer,
+    Welcome,
+)
 from ahmss.world.view import World
 
 __all__ = ["Communication"]
@@ -106,17 +117,18 @@ class Communication:
             return own[1]
         return self.world.pose(name) if name in self.world.objects else place_of(self.world, name)
 
-    def bodies(self, names: Iterable[str]) -> Iterator[tuple[int, Body]]:
-        """The world's number and the body of each of these humans that is there, and that no object hides.
+    def poses(self, names: Iterable[str]) -> Iterator[tuple[int, Skeleton, list[float]]]:
+        """The world's number, skeleton and pose (175) of each of these humans that is there, and that no object hides.
 
         Raises:
             WorldError: the server has no such skeleton, or does not answer.
         """
-        there = set(self.world.human_ids.tolist())
+        world = self.world
+        rows = {number: row for row, number in enumerate(world.human_ids.tolist())}
         for name in names:
-            record = self.world.humans.get(name)
-            if record is not None and record.id in there and name not in self.world.objects:
-                yield record.id, self.body(name)
+            record = world.humans.get(name)
+            if record is not None and record.id in rows and name not in world.objects:
+                yield record.id, self._skeleton(record), world.human_poses[rows[record.id]].tolist()
 
     def body(self, name: str) -> Body:
         """A human of the world, as it is shown now. Asks the server for its skeleton where it is met first.
@@ -124,11 +136,13 @@ class Communication:
         Raises:
             WorldError: the server has no such skeleton, or does not answer.
         """
-        record = self.world.humans[name]
+        root, rotations = self.world.human(name)
+        return Body(self._skeleton(self.world.humans[name]), normalize(rotations), root)
+
+    def _skeleton(self, record: HumanRecord) -> Skeleton:
         if record.skeleton not in self._skeletons:
             self._skeletons[record.skeleton] = Skeleton.from_record(self.client.skeleton(record))
-        root, rotations = self.world.human(name)
-        return Body(self._skeletons[record.skeleton], normalize(rotations), root)
+        return self._skeletons[record.skeleton]
 
     def others(self) -> list[messages.ObjectRecord]:
         """The other humans, as algorithms are told of them."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Protocol
 
 import numpy as np
 
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
-from ahmss.database.records import Site
+from ahmss.body.skeleton import Skeleton
 from ahmss.database.workspace import Workspace
-from ahmss.main.body_parts import Body, parts
+from ahmss.main.body_parts import Parts
 from ahmss.motion.edit import floor_frame
 from ahmss.world.schema import ObjectRecord
 from ahmss.world.view import World
@@ -21,12 +20,11 @@ __all__ = [
     "KIND",
     "Everything",
     "Humans",
+    "MovingSites",
     "beside",
     "met",
-    "moving_sites",
     "numbers",
     "place_of",
-    "rows_of_sites",
     "site_number",
 ]
 
@@ -38,14 +36,6 @@ HOLDS = "holds"
 
 _SITES = 1 << 40  # beyond all ids of objects, which have 32 bits; a float64 holds it
 _MOST_SITES = 64
-
-
-class _Scene(Protocol):
-    """What of a scene is asked here."""
-
-    def bodies(self, names: Iterable[str]) -> Iterable[tuple[int, Body]]:
-        """The world's numbers and the bodies of those humans that are there."""
-        ...
 
 
 class Humans(Mapping[str, ObjectRecord]):
@@ -127,22 +117,26 @@ def beside(start: Start) -> tuple[str, ...]:
     return tuple(thing.name for thing in start.world if thing.kind == KIND and thing.sites)
 
 
-def moving_sites(workspace: Workspace) -> dict[int, Site]:
-    """The sites of humans that move with their bodies, by their places in the kind.
+class MovingSites:
+    """The sites of humans that move with their bodies, as the kind has them when it is made.
 
     Raises:
         AhmssError: the kind is broken.
     """
-    return {index: site for index, site in enumerate(workspace.objects.get(KIND).sites.values()) if site.part}
 
+    def __init__(self, workspace: Workspace) -> None:
+        sites = workspace.objects.get(KIND).sites
+        self._moving = [index for index, site in enumerate(sites.values()) if site.part]
+        self._parts = Parts(site for site in sites.values() if site.part)
 
-def rows_of_sites(sites: Mapping[int, Site], scene: _Scene, names: Iterable[str]) -> Array:
-    """Rows (n, 8) of id, place, rotation of the moving sites of some humans, now; who is gone has none."""
-    rows: list[list[float]] = []
-    for human, body in scene.bodies(names):
-        where = parts(body, list(sites.values()))
-        rows += [[site_number(human, index), *row] for index, row in zip(sites, where, strict=True)]
-    return np.array(rows, float).reshape(-1, 8)
+    def rows(self, humans: Iterable[tuple[int, Skeleton, list[float]]]) -> Array:
+        """Rows (n, 8) of id, place, rotation of the sites of some humans: the world's number, who, and the pose."""
+        rows = [
+            [site_number(human, index), *row]
+            for human, skeleton, pose in humans
+            for index, row in zip(self._moving, self._parts.of(skeleton, pose), strict=True)
+        ]
+        return np.array(rows, float).reshape(-1, 8)
 
 
 def place_of(world: World, name: str) -> Array:

@@ -16,7 +16,7 @@ from ahmss.database.records import AlgorithmEntry
 from ahmss.database.statefile import ONESELF
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
-from ahmss.main.body_parts import Body, parts
+from ahmss.main.body_parts import Body, Parts
 from ahmss.main.company import KIND, site_number
 from ahmss.world.schema import ObjectRecord
 
@@ -79,7 +79,8 @@ def describe_human(workspace: Workspace, scene: Scene, name: str) -> messages.Ob
     told = describe(workspace, record, pose)
     kind = workspace.objects.get(record.kind)
     moving = [site for site in kind.sites if kind.sites[site].part]
-    rows = np.array(parts(scene.body(name), [kind.sites[site] for site in moving]))
+    body = scene.body(name)
+    rows = np.array(Parts(kind.sites[site] for site in moving).of(body.skeleton, body.pose))
     back = conjugate(pose[3:])
     sites = dict(told.sites)
     for site, row in zip(moving, rows, strict=True):

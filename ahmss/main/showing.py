@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 import numpy as np
 
 from ahmss.algorithm.messages import FRAME_HUMAN, HEADER, Kind, size
 from ahmss.body.array import Array
-from ahmss.database.records import AlgorithmEntry, Site
+from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
 from ahmss.main.blending import Blending
 from ahmss.main.communication import Communication
-from ahmss.main.company import moving_sites, rows_of_sites
+from ahmss.main.company import MovingSites
 from ahmss.main.motion import Motion, Mover, Shown
 from ahmss.main.people import People
 from ahmss.main.surroundings import NOTHING, Surroundings
 
 __all__ = ["Showing"]
+
+_NEAR = 1.5  # metres between the hips of two: the arms of who is farther off are told once in so many frames
+_SELDOM = 4
 
 
 class Showing:
@@ -31,7 +35,8 @@ class Showing:
         self._workspace, self._communication = workspace, communication
         self._surroundings, self._people = Surroundings(), People()
         self._company: tuple[str, ...] = ()
-        self._sites: dict[int, Site] = {}
+        self._sites: MovingSites | None = None
+        self._turn = 0
         self.human = np.zeros(size(FRAME_HUMAN))
         self.changes = NOTHING
 
@@ -51,18 +56,25 @@ class Showing:
             self._surroundings.forget()
         if _asked_for_humans(motions, movers):
             others = self._people.moved(self._communication.world, self._communication.human)
-            company = dict.fromkeys(name for one in motions for name in (*one.company, *one.beside))
-            self.changes = np.concatenate([self.changes, others, self._sites_of(tuple(company))])
+            self.changes = np.concatenate([self.changes, others, self._sites_of(motions)])
         else:
             self._people.forget()
 
-    def _sites_of(self, company: tuple[str, ...]) -> Array:
-        """Rows (n, 8) of the sites of those humans; which sites a human has is asked when others are with us."""
+    def _sites_of(self, motions: Collection[Motion]) -> Array:
+        """Rows (n, 8) of the sites of whom a motion is about and of who is near; of others beside, each in its turn."""
+        about = dict.fromkeys(name for one in motions for name in one.company)
+        company = tuple(dict.fromkeys((*about, *(name for one in motions for name in one.beside))))
         if not company:
             return NOTHING
-        if company != self._company:
-            self._company, self._sites = company, moving_sites(self._workspace)
-        return rows_of_sites(self._sites, self._communication, company)
+        if company != self._company or self._sites is None:  # which sites a human has is asked when others are with us
+            self._company, self._sites = company, MovingSites(self._workspace)
+        self._turn += 1
+        x, y = self.human[1:3].tolist()
+        return self._sites.rows(
+            human
+            for k, human in enumerate(self._communication.poses(company))
+            if k < len(about) or (k + self._turn) % _SELDOM == 0 or math.hypot(human[2][0] - x, human[2][1] - y) < _NEAR
+        )
 
     def frame(self, k: int, moved: Array, entry: AlgorithmEntry) -> bytes:
         """A human algorithm's FRAME k: the human, and what moved, rows (n, 8)."""

@@ -11,7 +11,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import multiply, normalize, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import Site
-from ahmss.main.body_parts import Body, parts
+from ahmss.main.body_parts import Body, Parts
 
 
 def test_a_site_goes_with_its_link_and_a_palm_with_its_grip() -> None:
@@ -20,7 +20,9 @@ def test_a_site_goes_with_its_link_and_a_palm_with_its_grip() -> None:
     position, rotation = (0.02, -0.01, 0.03), tuple(normalize(draw.normal(size=4)).tolist())
     links = ("hips", "left_middle_distal", "right_lower_leg")
     names = (*links, "right_palm", "left_palm")
-    found = parts(Body(skeleton, rotations, root), [Site(position, rotation, part=name) for name in names])
+    found = Parts(Site(position, rotation, part=name) for name in names).of(
+        skeleton, Body(skeleton, rotations, root).pose
+    )
     places, turned = forward(rotations, root, skeleton.offsets)
     palms = grips(skeleton, rotations, root)
     frames = [(places[INDEX[name]], turned[INDEX[name]]) for name in links]
@@ -33,7 +35,7 @@ def test_a_site_goes_with_its_link_and_a_palm_with_its_grip() -> None:
 def test_the_eyes_look_ahead_with_z_up() -> None:
     skeleton = Skeleton.of(1.62)
     rotations, root = skeleton.upright()
-    (row,) = parts(Body(skeleton, rotations, root), [Site((0.5, 0.0, 0.1), part="eyes")])
+    (row,) = Parts([Site((0.5, 0.0, 0.1), part="eyes")]).of(skeleton, Body(skeleton, rotations, root).pose)
     places, turned = forward(rotations, root, skeleton.offsets)
     eye = places[INDEX["head"]] + rotate(turned[INDEX["head"]], skeleton.eye)
     assert row[:3] == pytest.approx(eye + np.array([0.5, 0.0, 0.1]), abs=1e-6)

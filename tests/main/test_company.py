@@ -18,7 +18,7 @@ from ahmss.body.quaternion import rotate
 from ahmss.errors import CommandError
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
-from ahmss.main.company import moving_sites, numbers, rows_of_sites
+from ahmss.main.company import MovingSites, numbers
 from ahmss.main.database import find_object
 from ahmss.main.process import MainProcess, Setup
 from ahmss.world.process import ServerProcess
@@ -135,7 +135,7 @@ def test_sites_go_where_the_body_goes(pair: tuple[MainProcess, MainProcess]) -> 
         places, world = forward(body.rotations, body.root, skeleton.offsets)
         head = INDEX["head"]
         eyes = places[head] + rotate(world[head], skeleton.eye)
-        rows = rows_of_sites(moving_sites(ken.workspace), ken.communication, ["aiko"])
+        rows = MovingSites(ken.workspace).rows(ken.communication.poses(["aiko"]))
         assert {int(row[0]) for row in rows} <= set(numbers(start))
         row = np.concatenate([task.start.row, rows.ravel()])
         row[0] = turn + 1

@@ -17,7 +17,8 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.main.body_parts import Body as Shown
-from ahmss.main.company import parts, site_number
+from ahmss.main.body_parts import Parts
+from ahmss.main.company import site_number
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
 from tests.algorithms.devices import acting, at, before, begun, device, tips
@@ -41,7 +42,7 @@ def beside(body: Body, name: str = "ken") -> ObjectRecord:
     """Somebody as main tells of them to who asks for arms."""
     place, rotation = floor_frame(body.rotations, body.root)
     moving = [site for site in SITES if SITES[site].part]
-    rows = parts(Shown(body.skeleton, body.rotations, body.root), [SITES[site] for site in moving])
+    rows = Parts(SITES[site] for site in moving).of(body.skeleton, Shown(body.skeleton, body.rotations, body.root).pose)
     sites = {
         site: SiteRecord(
             tuple(rotate(conjugate(rotation), row[:3] - place)), id=site_number(7, list(SITES).index(site))
