@@ -20,9 +20,7 @@ from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.algorithm.sighting import Sighting
 from ahmss.algorithm.stepping import ground_of, stepped, walk_library, walkers
 from ahmss.algorithm.task import HumanFrame, HumanTask
-from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
-from ahmss.body.links import LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
@@ -169,19 +167,14 @@ def gone_to(
         AlgorithmError: it is too far, or nobody gets there.
     """
     assert task.object is not None
-    to, arms = to or task.object.name, Tucking(task)
-    steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=to, arms=arms)
-    rotations = task.start.rotations.copy()
+    steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=to or task.object.name)
     watching = Sighting(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
     while True:
         try:
             rows = next(steps)
         except StopIteration as end:
-            held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy))] if task.busy else []
-            rotations[held] = end.value.rotations[held]
-            moved = begun_at(task, rotations, end.value.root)
+            moved = begun_at(task, end.value.rotations, end.value.root)
             return moved, watching.goes_on(moved)
-        rotations = rows[-1, 4:176].reshape(43, 4).copy()
         yield watching.over(rows)
 
 

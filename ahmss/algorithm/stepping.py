@@ -9,7 +9,6 @@ import itertools
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 import shapely
@@ -19,6 +18,7 @@ from ahmss.algorithm.giving_way import points_of
 from ahmss.algorithm.out_of_reach import LOWEST, walk_there
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
+from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import LINKS
@@ -32,8 +32,8 @@ from ahmss.walking.pieces import LOOKS
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 __all__ = [
-    "IMPORTANCE", "Stance", "ground_of", "in_hands", "in_the_way", "in_time", "rows_of", "stepped", "until_free",
-    "walk_library", "walkers",
+    "IMPORTANCE", "Stance", "end_of", "ground_of", "in_hands", "in_the_way", "in_time", "rows_of", "stepped",
+    "until_free", "walk_library", "walkers",
 ]  # fmt: skip
 
 _FEET = slice(2, 4)
@@ -54,18 +54,6 @@ class Stance:
 
     rotations: Array
     root: Array
-
-
-class Arms(Protocol):
-    """What moves the arms of who walks, from piece to piece; see `ahmss.algorithm.tucking`."""
-
-    def over(self, rows: Array) -> Array:
-        """The rows (n, 272) of the next piece with other arms."""
-        ...
-
-    def keep(self, count: int) -> None:
-        """Of the last piece so many frames were shown."""
-        ...
 
 
 def walk_library(task: HumanTask) -> Library:
@@ -194,19 +182,19 @@ def in_time(piece: Piece, rows: Array) -> Generator[Array, None, int]:
 
 
 def stepped(
-    task: HumanTask, goal: Goal, ground: Ground, *, near: tuple[float, float], most: float, to: str,
-    arms: Arms | None = None,
-) -> Generator[Array, None, Stance]:  # fmt: skip
+    task: HumanTask, goal: Goal, ground: Ground, *, near: tuple[float, float], most: float, to: str
+) -> Generator[Array, None, Stance]:
     """Frames of the steps to a place that is near, none where one stands there; then how one stands.
 
-    A hand that holds something stays as it is against the trunk. Others are gone round, or waited for.
+    A hand that holds something stays as it is against the trunk, others are drawn in beside things. Who else is there
+    is gone round, or waited for.
 
     Args:
         task: whose human stands.
         goal: where, and which way to face.
         ground: what stands on the floor.
         near: metres and radians that one may stand beside it. most: metres that are stepped.
-        to: what one steps to, for the sentence that refuses. arms: what moves them out of the way of things.
+        to: what one steps to, for the sentence that refuses.
 
     Raises:
         AlgorithmError: it is too far, or somebody stands in the way; says what to do.
@@ -221,8 +209,7 @@ def stepped(
         return Stance(start.rotations.copy(), start.root.copy())
     if away > most:
         raise AlgorithmError(f"{to} is {away:.1f} m from here; {walk_there(task, to)}")
-    rotations, root = start.rotations.copy(), start.root.copy()
-    held = _held(task)
+    stance, held, tucking = Stance(start.rotations.copy(), start.root.copy()), _held(task), Tucking(task)
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, others=partial(in_the_way, task), note=task.note,
         held=task.busy, rests=lambda: task.rests, things=in_hands(task),
@@ -231,13 +218,19 @@ def stepped(
     for piece in trip.pieces(start.rotations, start.root):
         rows = rows_of(task, piece)
         rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
-        shown = yield from in_time(piece, rows if arms is None else arms.over(rows))
-        if arms is not None:
-            arms.keep(shown)
-        rotations[: piece.rotations.shape[1]], root = piece.rotations[shown - 1], piece.root[shown - 1]
-        rotations[held] = start.rotations[held]
+        rows = tucking.over(rows)
+        shown = yield from in_time(piece, rows)
+        tucking.keep(shown)
+        stance = end_of(task, rows[:shown])
     task.refuse_rest()
-    return Stance(rotations, root)
+    return stance
+
+
+def end_of(task: HumanTask, rows: Array) -> Stance:
+    """How one stands at the end of steps (n, 260): arms whose hands hold something as they were."""
+    rotations, held = rows[-1, 4:176].reshape(43, 4).copy(), _held(task)
+    rotations[held] = task.start.rotations[held]
+    return Stance(rotations, rows[-1, 1:4].copy())
 
 
 def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool], told: str) -> Iterator[Array]:

@@ -17,10 +17,11 @@ from lever import grip
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm.controls import begun_at
 from ahmss.algorithm.meanwhile import Thinking, alongside
 from ahmss.algorithm.pacing import paced
 from ahmss.algorithm.reaching import Looking
-from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, rows_of, stepped, until_free, walk_library
+from ahmss.algorithm.stepping import IMPORTANCE, Stance, end_of, ground_of, rows_of, stepped, until_free, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
@@ -97,7 +98,7 @@ def _thinking_ahead(
             stance: Stance = end.value
             same = foreseen is not None and np.array_equal(foreseen.rotations, stance.rotations)
             return stance, made if same and np.array_equal(foreseen.root, stance.root) else None
-        if len(rows) > 1 and _stands(task, ends := _end_of(task, rows), goal):
+        if len(rows) > 1 and _stands(task, ends := end_of(task, rows), goal):
             foreseen, made = ends, Thinking(hand.swings(ends))
         yield from alongside(rows, made or hand.grip)
 
@@ -129,7 +130,7 @@ class Taking:
         leaves = yield from self._leaves(then)
         rows, palms, shape, bends = (np.concatenate(column) for column in zip(comes, goes, leaves, strict=True))
         _loosened(task, door.hand, rows, len(comes[0]))
-        rows = Tucking(task, but=door.hand).over(rows)
+        rows = Tucking(begun_at(task, stance.rotations, stance.root), but=door.hand).over(rows)
         yield
         yield  # nothing: of two parts a frame, this and the next are not to be in one
         steps = np.arange(len(rows))
@@ -317,15 +318,6 @@ class Taking:
         for busy in self.task.busy:
             importance[:, Reacher.of(skeleton, busy).links] = 0.0
         return out
-
-
-def _end_of(task: HumanTask, rows: Array) -> Stance:
-    """How one stands at the end of steps (n, 260): what holds something as it was."""
-    rotations = rows[-1, 4:176].reshape(43, 4).copy()
-    for side in task.busy:
-        arm = Reacher.of(task.human, side).links
-        rotations[arm] = task.start.rotations[arm]
-    return Stance(rotations, rows[-1, 1:4].copy())
 
 
 def _stands(task: HumanTask, stance: Stance, goal: Goal) -> bool:
