@@ -12,15 +12,19 @@ from ahmss.algorithm import HumanPose, HumanTask, Transform, frames, stepping
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
+from ahmss.body.links import LINKS
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.contact import foot_points
+from ahmss.reaching.prism import clearance
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import centre_of_mass
 from ahmss.walking import trip
 from ahmss.walking.walkers import Walker
 
-from .reached import outlined
-from .scene import Body, program
+from .reached import TABLE, outlined, prisms
+from .scene import Body, frame_of, program, record
 from .solids import LEGS, SEAT, deepest
 
 CHAIR = "room/chair"
@@ -155,6 +159,17 @@ def test_who_is_some_metres_away_walks_there() -> None:
     body = at("ken", frame, STAND + np.array([1.6, 0.4, 0.0]), turned=90.0)
     does(body, "sit", frame)
     assert np.linalg.norm(frame.inverse().apply(body.root)[:2] - [-0.055, 0.0]) < 0.01
+
+
+def test_hands_of_who_steps_to_it_past_a_table_are_drawn_in() -> None:
+    body, table = Body("ken", 0.0, 0.3, 0.0), record(TABLE)
+    rotations, root = arrays(does(body, "sit", frame_of(CHAIR), world=[outlined(table, 11)]))
+    for side in ("right", "left"):
+        points, radii = skin_of(Reacher.of(body.skeleton, side), rotations, root)
+        assert float((clearance(prisms(table), points) - radii).min()) > 0.0
+    arms = [i for i, link in enumerate(LINKS) if link.endswith(("arm", "hand"))]
+    steps = np.abs((rotations[1:, arms] * rotations[:-1, arms]).sum(axis=-1))
+    assert np.degrees(2.0 * np.arccos(np.clip(steps, 0.0, 1.0))).max() < 6.0
 
 
 def somebody(frame: Transform, place: tuple[float, float]) -> ObjectRecord:
