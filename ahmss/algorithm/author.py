@@ -140,6 +140,9 @@ def serve(function: Function, channel: Channel) -> None:
             if message[0] == Kind.REST:
                 performance.task.progress.rests = True
                 continue
+            if message[0] == Kind.CLOSED:
+                performance.task.progress.closed = True
+                continue
             if message[0] != Kind.FRAME:
                 raise ProtocolError(f"a message of kind {message[0]} where FRAME or STOP was expected")
             if not performance.step(_numbers(message[1])):

@@ -7,8 +7,13 @@ there, into what the thing stands on. So the arm is solved anew from frame to fr
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
 
 from ahmss.algorithm.giving_way import Things
+from ahmss.algorithm.messages import POSE, size
+from ahmss.algorithm.pose import HumanPose
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply
@@ -21,16 +26,26 @@ _ARM = 20.0  # its importance: of an arm that is high up even a little of a walk
 _ROTATIONS, _IMPORTANCE, _TARGETS = slice(4, 176), slice(176, 220), slice(220, 260)  # of a row
 
 
-def closing_carried(task: HumanTask, side: str, blocks: Iterable[Array]) -> Iterator[Array]:
-    """POSE rows, of blocks (n, 260), of a hand that closes, one by one, the arm in each as the body then is carried."""
+def closing_carried(task: HumanTask, side: str, blocks: Iterable[Array | HumanPose]) -> Iterator[Array | HumanPose]:
+    """Poses, of blocks (n, 260), of a hand that closes, one by one, the arm in each as the body then is carried."""
     arm = _Arm(task, side)
     links, row = Reacher.of(task.human, side).links, SIDES.index(side)
-    for one in (one for rows in blocks for one in rows):
-        made = one[None].copy()
-        palm = made[0, _TARGETS].reshape(5, 8)[row, :7]
-        made[0, _ROTATIONS].reshape(43, 4)[links] = arm.step(palm)
-        made[0, _IMPORTANCE][links] = _ARM
-        yield made
+    for block in blocks:
+        for one in _rows(block):
+            made = one[None].copy()
+            palm = made[0, _TARGETS].reshape(5, 8)[row, :7]
+            made[0, _ROTATIONS].reshape(43, 4)[links] = arm.step(palm)
+            made[0, _IMPORTANCE][links] = _ARM
+            yield replace(HumanPose.of(made[0]), states=block.states) if isinstance(block, HumanPose) else made
+
+
+def _rows(block: Array | HumanPose) -> Array:
+    """A block as POSE rows (n, 260)."""
+    if not isinstance(block, HumanPose):
+        return block
+    row = np.zeros(size(POSE))
+    block.pack(row)
+    return row[None]
 
 
 class _Arm:

@@ -3,9 +3,9 @@
     length u32 | kind u8 | payload          little-endian; length is the payload's, at most 16 MB
 
 Main writes START once, then FRAME k for each frame it wants, then STOP, or REST first where the motion is to come to
-rest; the algorithm answers READY to START and POSE k
-(an object algorithm OBJECT k) to FRAME k. STATE, NOTE, ARRIVED, DONE and ERROR come from it when there is something
-to say.
+rest, and CLOSED before the frame in which a hand has closed on an object; the algorithm answers READY to START and
+POSE k (an object algorithm OBJECT k) to FRAME k. STATE, NOTE, ARRIVED, DONE and ERROR come from it when there is
+something to say.
 START, READY and STATE are JSON, NOTE and ERROR are text; FRAME, POSE and OBJECT are blocks of float64, laid out by the
 tables below. docs/protocol.md is written from this module.
 """
@@ -68,6 +68,7 @@ class Kind(IntEnum):
     FRAME = 2
     STOP = 3
     REST = 4
+    CLOSED = 5
     READY = 16
     POSE = 17
     OBJECT = 18

@@ -26,7 +26,7 @@ __all__ = ["AlgorithmProcess", "Answer", "Arrived", "Deadlines", "Done", "Messag
 _FRAME_NUMBER = struct.Struct("<d")
 _POSE_BYTES = (8 * size(POSE), 8 * size(POSE + WAY))
 _OBJECT_BYTES = (8 * size(OBJECT),)
-_STOP, _REST = encode(Kind.STOP), encode(Kind.REST)
+_STOP, _REST, _CLOSED = encode(Kind.STOP), encode(Kind.REST), encode(Kind.CLOSED)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
 _LOG_EACH = 8  # times that it is tended, to one look at its log
 _LONGEST_LINE = 4096  # bytes of a text that are read
@@ -194,6 +194,11 @@ class AlgorithmProcess:
         """Ask it to bring its motion to rest, and then to say that it is done: only of one that can."""
         if self.active:
             self._outbound.send(_REST)
+
+    def closed(self) -> None:
+        """Tell it that in the frame it is asked for next the hand has closed: only an algorithm that is to know."""
+        if self.active:
+            self._outbound.send(_CLOSED)
 
     def stop(self) -> None:
         """Ask it to end: STOP and the end of its input now, SIGTERM and SIGKILL later where that does not help."""

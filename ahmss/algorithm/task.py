@@ -40,11 +40,12 @@ class Rested(Exception):
 class Progress:
     """How far a motion is, whatever copies of its task there are.
 
-    rests: it is to come to rest now, and to end. arrived: it is where it acts.
+    rests: it is to come to rest now, and to end. arrived: it is where it acts. closed: the hand has closed.
     """
 
     rests: bool = False
     arrived: bool = False
+    closed: bool = False
 
 
 class HumanFrame:
@@ -396,6 +397,12 @@ class ObjectTask(Task):
         super().__init__(start)
         if start.object is None:
             raise ProtocolError("START for an object algorithm names no object")
+        self.progress.closed = start.hold != "take"  # a hand that takes nothing need not close, or has closed before
+
+    @property
+    def closed(self) -> bool:
+        """Whether the hand has closed on the object, as main has told it where algorithm.toml says `catches = true`."""
+        return self.progress.closed
 
     def frames(self) -> Iterator[HumanFrame]:
         """The human at each frame, already blended, for as long as main asks."""

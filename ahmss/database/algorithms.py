@@ -58,6 +58,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     arrives: bool = False
     arms: bool = False
     fewest: float = 0.0
+    catches: bool = False
     parameters: dict[str, dict[str, Any]] = {}
 
 
@@ -140,7 +141,9 @@ class AlgorithmFinder:
         if not 0.0 <= top.fewest <= 1.0:
             raise document.error(("fewest",), f"{top.fewest:g} is no share of the action's frames; allowed: 0 to 1")
         body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests, top.arrives, top.arms, top.fewest)
-        asks = (top.world, top.footprints, top.humans, top.shape, *body)
+        if top.catches and top.kind != "object":
+            raise document.error(("catches",), "is what an object does; leave it out of a human's algorithm")
+        asks = (top.world, top.footprints, top.humans, top.shape, *body, top.catches)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 
     def _argv(self, document: Document, argv: list[str]) -> tuple[str, ...]:

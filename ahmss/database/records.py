@@ -141,6 +141,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     rests: whether its motion comes to rest where it is to be given up, rather than to end with the next frame.
     arrives: whether it comes to where it acts first, and says so: what it moves is claimed then, and where it is to be
     given up on its way it comes to rest.
+    catches: of an object, whether it is told when the hand has closed on it.
     parameters: None where nothing declares them: then any will do.
     """
 
@@ -162,6 +163,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     arrives: bool = False
     arms: bool = False
     fewest: float = 0.0
+    catches: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -191,7 +191,7 @@ class Control:
                 self._collect_object(mover)
             if mover.watches and mover not in closing:
                 moved = among(self._showing.changes, mover.knows)
-                mover.show(Shown(self._showing.human.copy(), blending.grips, moved))
+                mover.show(Shown(self._showing.human.copy(), blending.grips, moved, mover.closed))
             self._show_next(mover)
 
     def _show_next(self, mover: Mover) -> None:
@@ -199,6 +199,8 @@ class Control:
         process = mover.process
         if process is not None and process.active and mover.frames and not process.pending:
             frame = mover.next()
+            if mover.tells(frame):
+                process.closed()
             process.ask(self._showing.shown(frame, mover.k, mover.pose, mover.order.object_algorithm))
 
     def collect_objects(self, blending: Blending, patience: float) -> Array | None:
@@ -344,6 +346,7 @@ class Control:
         mover.granted = True
         if mover.given:  # the hand has closed on it already: its algorithm sees no fingers close
             start = msgspec.structs.replace(start, hold="keep")
+            mover.told = True
         mover.process = self._launcher.start(entry, start)
         mover.knows = known(record.id for record in start.world)
 
@@ -365,6 +368,8 @@ class Control:
     def _begin_passing(self, motion: Motion, state: str) -> None:
         """An algorithm says that what it gives is in the other hand, or that the hand has closed on what it takes."""
         mover, order = motion.mover, motion.order
+        if mover is not None:
+            mover.closed = True
         if order.affordance.hold == GIVE and mover is not None and mover.granted:
             motion.passes = self._claims.give(mover, order.whom, state)
         elif order.affordance.hold == RECEIVE and mover is not None:
@@ -447,6 +452,8 @@ class Control:
             return
         if 0 < motion.last <= process.last:
             motion.over = True
+        if motion.over and motion.mover is not None:  # whether it said so or not, what it closes is closed by now
+            motion.mover.closed = True
         if not came:
             if process.pending:
                 motion.held += 1

@@ -29,11 +29,15 @@ _BODY = np.array(
 
 
 class Shown(NamedTuple):
-    """What an object algorithm is shown of a frame: the human (190,), the palms (2, 7), what moved, rows (n, 8)."""
+    """What an object algorithm is shown of a frame: the human (190,), the palms (2, 7), what moved, rows (n, 8).
+
+    closed: whether the hand that takes the object has closed by then.
+    """
 
     human: Array
     grips: Array
     moved: Array
+    closed: bool = False
 
 
 class Mover:
@@ -48,6 +52,7 @@ class Mover:
         frames: those that its algorithm is still to be shown, while it is late with another or waits for its claim.
         over: its algorithm was stopped, it rests where it is. fresh: its pose differs from what the world was told.
         given: it comes from another hand, or has come back from it.
+        closed: the hand that takes it has closed. told: its algorithm knows that.
     """
 
     def __init__(self, order: Order, number: int, pose: Array, claim: Pending | None, actor: Actor) -> None:
@@ -63,6 +68,7 @@ class Mover:
         self.over = False
         self.fresh = False
         self.given = False
+        self.closed = self.told = False
         self._start = pose[:3].copy()
         self._hand = _SIDES.index(order.hand) if order.hand in _SIDES else -1
         self._grips: Array | None = None  # for which its pose holds
@@ -112,6 +118,13 @@ class Mover:
         frame = self.frames.popleft()
         self.k, self._asked = self.k + 1, frame.grips
         return frame
+
+    def tells(self, frame: Shown) -> bool:
+        """Whether its algorithm is told now, before it sees this frame, that the hand has closed: once, if it asks."""
+        entry = self.order.object_algorithm
+        news = frame.closed and not self.told and self.takes and entry is not None and entry.catches
+        self.told = self.told or news
+        return news
 
     def put(self, pose: Array) -> None:
         """Its algorithm has put it somewhere at the frame that it was shown last."""

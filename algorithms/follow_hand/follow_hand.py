@@ -1,8 +1,8 @@
 """An object that follows the hand (Ichiguchi 2000, 5.3.4).
 
-It is caught when the motion that closes the hand is over and the hand is at it. From then on it keeps its pose in
-the palm as it was at that moment, so it does not jump, and stays caught for as long as this algorithm runs, whatever
-the human does.
+It is caught when the hand has closed, as main tells of the motion that closes it, and is at it. From then on it keeps
+its pose in the palm as it was at that moment, so it does not jump, and stays caught for as long as this algorithm runs,
+whatever the human does.
 """
 
 from __future__ import annotations
@@ -24,8 +24,7 @@ def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:
     for human in task.frames():
         grip = human.grip(side)
         if in_palm is None:
-            closed = human.k >= task.length
-            if not closed or _apart(task, human, side) > task.parameter("threshold", 0.03):
+            if not task.closed or _apart(task, human, side) > task.parameter("threshold", 0.03):
                 yield task.pose()
                 continue
             in_palm = grip.inverse().then(task.object.frame)

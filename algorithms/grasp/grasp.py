@@ -11,13 +11,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ahmss.algorithm import HumanTask, Transform, importance_of, run
+from ahmss.algorithm import HumanPose, HumanTask, Transform, importance_of, run
 from ahmss.algorithm.at_ease import resampled, times_at_ease
 from ahmss.algorithm.closing_carried import closing_carried
 from ahmss.algorithm.closing_way import fingers_at, moved_at, palms_at
 from ahmss.algorithm.free_arm import free_arm_kept_out
 from ahmss.algorithm.grasping import Closing, closing, read_shape
 from ahmss.algorithm.meanwhile import waited
+from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import between, multiply, rotate, slerp
@@ -35,7 +36,7 @@ GAZE = 4
 SPINE = 400.0  # its importance, a thousand times a walk's: what is left to that is given back when it ends, at once
 
 
-def grasp(task: HumanTask) -> Iterator[Array]:
+def grasp(task: HumanTask) -> Iterator[Array | HumanPose]:
     """Frames (n, 260): the hand closes, or opens and draws back; the arm follows, the rest is left alone.
 
     The first, in which nothing moves yet, is given as soon as the shape is read; the hand is planned after it.
@@ -60,7 +61,7 @@ def grasp(task: HumanTask) -> Iterator[Array]:
     yield from closing_carried(task, side, rows) if task.carried else rows
 
 
-def _closes(task: HumanTask, side: str, grip: Transform, still: Array) -> Iterator[Array]:
+def _closes(task: HumanTask, side: str, grip: Transform, still: Array) -> Iterator[Array | HumanPose]:
     """Frames (n, 260) of a hand that closes: those in which it is planned, still as the one (1, 260) before, and then.
 
     The frames of a plan are taken of those that were asked for, or come on top where their number is but a wish.
@@ -74,11 +75,11 @@ def _closes(task: HumanTask, side: str, grip: Transform, still: Array) -> Iterat
     palms = palms_at(time, grip.row(), end.palm.row(), end.out, end.by)
     rows = _frames(task, side, shapes, (palms, moved_at(time, end.by)), end.spine)
     if task.carried:
-        yield rows
+        yield from closed_at_last(rows)
         return
     if end.spine is not None:
         rows = free_arm_kept_out(task, side, rows)
-    yield resampled(rows, times_at_ease(task, rows, fingers(side), wish=wish))
+    yield from closed_at_last(resampled(rows, times_at_ease(task, rows, fingers(side), wish=wish)))
 
 
 def _back(task: HumanTask, grip: Transform) -> Array:

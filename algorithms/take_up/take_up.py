@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.castors import seat_of
 from ahmss.algorithm.meanwhile import waited
@@ -22,6 +22,7 @@ from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.algorithm.reading import before_eyes
+from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.kinematics import forward
@@ -59,7 +60,7 @@ class Taking:
     holding: Holding
 
 
-def take_up(task: HumanTask) -> Iterator[Array]:
+def take_up(task: HumanTask) -> Iterator[Array | HumanPose]:
     """Frames (n, 260): the hand comes, closes, lifts, and brings it there."""
     if task.site is None or task.object is None or task.object.shape is None:
         raise AlgorithmError("what is taken up needs a shape, and a site where a hand takes it")
@@ -85,7 +86,7 @@ def take_up(task: HumanTask) -> Iterator[Array]:
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
-    yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
+    yield from closed_at_last(at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets)))
     yield from _brought(task, made, side, grip.inverse().then(frame))
 
 

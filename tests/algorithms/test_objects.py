@@ -134,6 +134,7 @@ def frames_beyond(start: Start, rows: list[np.ndarray]) -> list[ObjectPose]:
     shown = []
     for row in rows:
         held = performance.task.object
+        performance.task.progress.closed = row[0] >= start.frames
         assert performance.step(np.concatenate([row, held.place, held.rotation]))
         pose = ObjectPose(performance.row[1:4].copy(), performance.row[4:8].copy())
         held.place[:], held.rotation[:] = pose.place, pose.rotation
