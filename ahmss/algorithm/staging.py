@@ -10,24 +10,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ahmss.algorithm.castors import heading_of, must_stand, seat_of
+from ahmss.algorithm.out_of_reach import LOWEST
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.settling import settle
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX
-from ahmss.body.quaternion import multiply
+from ahmss.body.links import INDEX, LINKS
+from ahmss.body.quaternion import align, conjugate, from_axis_angle, multiply
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.edit import floor_frame, mirrored, part
-from ahmss.motion.planting import feet, plant
+from ahmss.motion.planting import feet, plant, stance
 
 __all__ = ["Staged", "face", "lips", "mirrored", "part", "stage", "stands"]
 
 _LIPS = np.array([-0.0422, 0.0, -0.0062])
 _UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 _HEAD = INDEX["head"]
+_UP = np.array([0.0, 0.0, 1.0])
+_LEG = ("upper_leg", "lower_leg", "foot")
+_SWAYS = 0.1  # metres: hips that go less far stay where they are, as far as who sits is concerned
+_CARES = 0.5  # an arm's importance below which a clip leaves it to others
 
 
 @dataclass(frozen=True)
@@ -56,20 +62,23 @@ class Staged:
 def stage(task: HumanTask, clip: Clip) -> Staged:
     """Set a clip on the stage for the task's human, object and hand.
 
-    A clip whose feet stay on the floor is put where the human's feet stand, and where it is relative to an object, its
-    hips go between there and the object; the others start at the human's floor frame (or lie in the object's frame,
-    where the header says so).
+    A clip whose feet stay on the floor is put where the human's feet stand, or, of who sits, on the hips as they sit;
+    where it is relative to an object, its hips go between there and the object; the others start at the human's floor
+    frame (or lie in the object's frame, where the header says so).
 
     Raises:
         AlgorithmError: the clip's targets are relative to a site, but the action names none; or the human is too far
-            from where a motion relative to an object starts.
+            from where a motion relative to an object starts, or sits and the clip takes the body elsewhere.
     """
     if task.hand == "left":
         clip = mirrored(clip)
     present = feet(task.human, task.start.rotations, task.start.root)
     planted = _on_both_feet(clip)
+    sits = None if task.carried else seat_of(task)
+    if sits and not (_on_the_spot(clip) or _from_seat(clip)):
+        raise AlgorithmError(must_stand(task, "do that"))
     if stands(clip):
-        rotations, root = plant(task.human, clip.rotations, present)
+        rotations, root = _seated(task, clip) if sits else plant(task.human, clip.rotations, present)
     elif planted:
         rotations, root = settle(task, clip, _object(task), present)
     else:
@@ -82,6 +91,35 @@ def stage(task: HumanTask, clip: Clip) -> Staged:
 def stands(clip: Clip) -> bool:
     """Whether both feet stay on the floor throughout; then each frame is staged by itself, and `part`s may be."""
     return _on_both_feet(clip) and clip.header.frame == "human"
+
+
+def _on_the_spot(clip: Clip) -> bool:
+    """Whether one stands throughout and the hips hardly go anywhere, so that it can be done on a seat as well."""
+    return stands(clip) and float(np.ptp(clip.root, axis=0).max()) < _SWAYS
+
+
+def _from_seat(clip: Clip) -> bool:
+    """Whether a motion relative to an object begins with the hips low: it stands up, or goes on sitting."""
+    seated = clip.header.frame == "object" and _on_both_feet(clip)
+    return seated and float(clip.root[0, 2]) < LOWEST * float(clip.root[:, 2].max())
+
+
+def _seated(task: HumanTask, clip: Clip) -> tuple[Array, Array]:
+    """Rotations (F, 43, 4) and root (F, 3) of a clip in which one stands, for who sits.
+
+    Hips, legs, and arms for which the clip hardly cares, stay as they are; over the hips the trunk is as it is over the
+    clip's feet.
+    """
+    start, hips, spine = task.start, INDEX["hips"], INDEX["spine"]
+    _, heading = stance(feet(task.human, clip.rotations, clip.root))
+    turn = from_axis_angle(_UP, heading_of(start.rotations) - heading)
+    trunk = multiply(turn, multiply(clip.rotations[:, hips], clip.rotations[:, spine]))
+    idle = tuple(side for side in ("right", "left") if clip.importance[:, INDEX[f"{side}_upper_arm"]].max() < _CARES)
+    kept = [i for i, link in enumerate(LINKS) if link == "hips" or link.endswith(_LEG) or link.startswith(idle)]
+    rotations = clip.rotations.copy()
+    rotations[:, spine] = multiply(conjugate(start.rotations[hips]), trunk)
+    rotations[:, kept] = start.rotations[kept]
+    return align(rotations, start.rotations), np.repeat(start.root[None], clip.frames, axis=0)
 
 
 def face(task: HumanTask, rotations: Array, root: Array) -> Transform:

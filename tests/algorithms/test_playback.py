@@ -115,6 +115,13 @@ def test_who_sits_stands_up_to_where_they_stood() -> None:
     np.testing.assert_allclose(shown[-1].root[:2], [1.78, 0.25], atol=0.03)
 
 
+def test_who_sits_is_told_to_stand_up_for_what_takes_the_body_elsewhere() -> None:
+    body, _ = sits("ken")
+    start = body.start(CHAIR, "play_sit", motion=str(ROOT / "objectdb" / "carton" / "lift.npz"))
+    with pytest.raises(AlgorithmError, match="one must stand to do that; `do room/chair stand_up` first"):
+        list(frames(program("playback"), start))
+
+
 @pytest.mark.parametrize(
     ("x", "facing", "sentence"),
     [(0.95, 180.0, r"stands 0\.8\d m and 0 degrees from where the motion has it; bring it to 1\.8\d 0\.20 facing 180"),

@@ -13,13 +13,15 @@ from ahmss.algorithm.staging import lips
 from ahmss.body.arm import Arm, hand_angles
 from ahmss.body.inverse import GAZE, RIGHT_HAND, grips
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX
-from ahmss.body.quaternion import norm, rotate
+from ahmss.body.links import INDEX, LINKS
+from ahmss.body.quaternion import from_axis_angle, multiply, norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 
-from .scene import CUP, FLOOR, ROOT, TELEVISION, Body, frame_of, program
+from .reached import outlined
+from .scene import CUP, FLOOR, ROOT, TELEVISION, Body, frame_of, program, record
 
+CHAIR, BEFORE_CHAIR = "room/chair", (1.80, 0.2, 180.0)  # where a human stands to sit down
 REACH = {"motion": str(ROOT / "objectdb" / "cup" / "reach.npz"), "parameters": {"arc": 0.09}, "frames": 60}
 
 
@@ -132,6 +134,34 @@ def test_the_rim_comes_to_the_mouth_of_either_human(name: str) -> None:
 def test_of_a_wider_cup_the_edge_comes_to_the_mouth_and_not_the_middle(wide: float) -> None:
     """At the same distance from the middle its rim was 9 mm in the face."""
     assert rim_from_mouth("ken", wide) - rim_from_mouth("ken") == pytest.approx(0.036 * (wide - 1.0), abs=5e-4)
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("action", ["drink", "lift"])
+def test_who_sits_drinks_and_lifts_sitting(name: str, action: str) -> None:
+    body, chair = Body(name, *BEFORE_CHAIR), outlined(record(CHAIR), 3)
+    body.do("sit", msgspec.structs.replace(body.start(CHAIR, "sit", hand=""), object=chair))
+    elbow = INDEX["right_lower_arm"]
+    body.rotations[elbow] = multiply(body.rotations[elbow], from_axis_angle(np.array([0.0, 1.0, 0.0]), -0.5))
+    body.rotations[3] = multiply(body.rotations[3], from_axis_angle(np.array([0.0, 1.0, 0.0]), -0.5))
+    held = Transform(body.grip().place, np.array([1.0, 0.0, 0.0, 0.0]))
+    in_palm = body.grip().inverse().then(held)
+    start = msgspec.structs.replace(body.start(CUP, action, frame=held), world=[chair], busy=["right"])
+    before, root = body.rotations, body.root
+    shown = body.do("slerp", start)
+    still = [i for i, link in enumerate(LINKS) if link == "hips" or "leg" in link or "foot" in link or "left" in link]
+    rims = []
+    for pose in shown:
+        np.testing.assert_allclose(pose.root, root, atol=1e-4)
+        np.testing.assert_allclose(np.abs((pose.rotations * before).sum(axis=-1))[still], 1.0, atol=1e-5)
+        places, turned = forward(pose.rotations, pose.root, body.skeleton.offsets)
+        mouth = places[INDEX["head"]] + rotate(turned[INDEX["head"]], lips(body.skeleton))
+        grip = Transform.of(grips(body.skeleton, pose.rotations, pose.root)[0])
+        rims.append(grip.then(in_palm).apply(np.array([0.0, 0.0, 0.095])) - mouth)
+    if action == "drink":
+        assert np.linalg.norm(rims, axis=1).min() == pytest.approx(0.036, abs=0.004)
+    else:
+        assert body.grip().place[2] > held.place[2] + 0.1
 
 
 def arms_at_the_lips(body: Body, hand: str) -> np.ndarray:
