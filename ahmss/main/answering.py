@@ -189,9 +189,10 @@ class Answering:
             return
         for order in orders:
             if not order.act.follows and not order.act.after:
-                reason = self._why_not(order.object, order.affordance.name)
+                asked = order.whom or order.object  # what is given or taken is the thing, who affords it the human
+                reason = self._why_not(asked, order.affordance.name)
                 if reason:
-                    raise CommandError(f"{reason}; it affords now: {self._offers(order.object)}")
+                    raise CommandError(f"{reason}; it affords now: {self._offers(asked)}")
 
     def _offers(self, name: str) -> str:
         return ", ".join(self._catalogue.actions(name).names) or "nothing"

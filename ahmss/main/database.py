@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -39,6 +40,7 @@ PATIENCE = "patience"
 _PATIENCE, _MOST_PATIENCE = 10.0, 3600.0  # seconds: where nobody says, and at the most
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
 _AT_IT = 0.2  # metres from an object within which a palm is at it
+_NUMBER = re.compile(r"[-+]?\d*\.?\d+")
 _REACHED = 0.15  # metres from an object within which a palm need not reach for it any more
 _ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
 
@@ -254,6 +256,8 @@ class Database:
             several = any(full.endswith(f"/{name}") for full in scene.objects)
             if several or name not in self.workspace.objects.names():
                 raise
+            if such := [full for full, record in scene.objects.items() if record.kind == name]:
+                raise CommandError(f'no object is called "{name}"; of that kind there are: {some(such)}') from None
             raise CommandError(f'no object "{name}" in the world; add one: `add {name} at X Y Z`') from None
 
     def _affordances(self, record: ObjectRecord) -> dict[str, Affordance]:
@@ -311,6 +315,8 @@ def find_object(scene: Scene, name: str) -> str:
         return meant[0]
     if meant:
         raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
+    if all(_NUMBER.fullmatch(word) for word in name.split()):
+        raise CommandError(f'"{name}" is no place; a place is X Y or X Y Z, in metres')
     near = nearest(name, scene.objects)
     hint = f"did you mean {near}?" if near else f"there are: {some(scene.objects)}"
     raise CommandError(f'no object "{name}" in the world; {hint}')

@@ -13,14 +13,23 @@ __all__ = ["lasting", "refuse_two_carriers", "title"]
 def refuse_two_carriers(orders: Sequence[Order]) -> None:
     """Of motions made together one may take the body elsewhere: the feet would slide between two.
 
+    Those of one chain, joined by `then`, are made one after the other.
+
     Raises:
         CommandError: names the two.
     """
-    titles = [order.title for order in orders if order.human_algorithm.carries]
+    chains: list[list[Order]] = []
+    for order in orders:
+        if order.act.follows:
+            chains[-1].append(order)
+        else:
+            chains.append([order])
+    carriers = [[order.title for order in chain if order.human_algorithm.carries] for chain in chains]
+    titles = [names[0] for names in carriers if names]
     if len(titles) > 1:
         raise CommandError(
             f"{titles[0]} with {titles[1]}: each takes the body its own way, and only one can at a time; "
-            "do one after the other, each in a line of its own"
+            "join them by `then`, or do one after the other, each in a line of its own"
         )
 
 

@@ -37,9 +37,15 @@ def test_two_motions_that_carry_the_body_are_not_made_together(ken: MainProcess)
     ken.play(steps("do b march to 1 0 frames 20 with b wave with b march to 0 1 frames 20 after 10"))
     assert ken.report.messages == [
         "line 1: b march with b march: each takes the body its own way, and only one can at a time; "
-        "do one after the other, each in a line of its own"
+        "join them by `then`, or do one after the other, each in a line of its own"
     ]
     np.testing.assert_allclose(ken.blending.root, before, atol=1e-9)
+
+
+def test_one_of_them_follows_the_other_in_one_line(ken: MainProcess) -> None:
+    ken.play(steps("do b march to 1 0 frames 60 then b march to 0 1 frames 60"))
+    assert ken.report.messages == []
+    np.testing.assert_allclose(ken.blending.root[:2], [0.0, 1.0], atol=0.05)
 
 
 def test_one_of_them_is_made_with_others(ken: MainProcess) -> None:

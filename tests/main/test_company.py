@@ -16,11 +16,13 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import CommandError
+from ahmss.main.answering import Answering
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.company import MovingSites, numbers
 from ahmss.main.database import find_object
 from ahmss.main.process import MainProcess, Setup
+from ahmss.port import schema
 from ahmss.world.process import ServerProcess
 from tests.main.ground import steps
 
@@ -92,6 +94,8 @@ def test_humans_are_listed_among_the_objects_with_what_they_afford(pair: tuple[M
     assert find_object(ken.communication, "aiko") == "aiko"
     with pytest.raises(CommandError, match="did you mean aiko"):
         find_object(ken.communication, "aika")
+    with pytest.raises(CommandError, match="is no place; a place is X Y or X Y Z"):
+        find_object(ken.communication, "1 2 -3 0.4")
 
 
 def test_what_is_held_changes_what_is_afforded_and_to_whom(pair: tuple[MainProcess, MainProcess]) -> None:
@@ -104,6 +108,9 @@ def test_what_is_held_changes_what_is_afforded_and_to_whom(pair: tuple[MainProce
     assert "hand_over" not in listed(aiko, "ken")  # her hands are empty
     assert "grasp" not in listed(aiko, "cup")
     assert "receive" not in listed(ken, "aiko")
+    with pytest.raises(StopIteration) as accepted:  # and a mind may ask for it, though the cup itself affords none
+        next(Answering(aiko).answer(schema.Do(line="do ken receive", request=1)))
+    assert isinstance(accepted.value.value, schema.Accepted)
 
 
 @pytest.mark.parametrize(("height", "who"), [(0.88, {"ken", "aiko"}), (1.8, {"ken"}), (2.1, set())])

@@ -160,6 +160,7 @@ def test_what_fails_says_why_and_what_comes_after_goes_on(ken: Client, main: Mai
     [
         ({"object": "c", "action": "wave"}, "there are: b, far, behind"),
         ({"object": "behin", "action": "wave"}, "did you mean behind"),
+        ({"object": "box", "action": "wave"}, 'called "box"; of that kind there are: b, far, behind'),
         ({"object": "b", "action": "fly"}, "it affords: wave, bow"),
         ({"object": "b", "action": "drop"}, "ken does not hold it; it affords now: wave, bow"),
         ({"object": "b", "action": "step"}, "add `to X Y Z`"),
