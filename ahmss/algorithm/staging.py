@@ -6,7 +6,7 @@ how tall it is, nor where the object is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,7 +64,8 @@ def stage(task: HumanTask, clip: Clip) -> Staged:
 
     A clip whose feet stay on the floor is put where the human's feet stand, or, of who sits, on the hips as they sit;
     where it is relative to an object, its hips go between there and the object; the others start at the human's floor
-    frame (or lie in the object's frame, where the header says so).
+    frame (or lie in the object's frame, where the header says so). Of who is carried, an arm for which the clip hardly
+    cares is left to what carries them: it knows what is beside.
 
     Raises:
         AlgorithmError: the clip's targets are relative to a site, but the action names none; or the human is too far
@@ -72,6 +73,8 @@ def stage(task: HumanTask, clip: Clip) -> Staged:
     """
     if task.hand == "left":
         clip = mirrored(clip)
+    if task.carried:
+        clip = _without_idle_arms(clip)
     present = feet(task.human, task.start.rotations, task.start.root)
     planted = _on_both_feet(clip)
     sits = None if task.carried else seat_of(task)
@@ -114,12 +117,24 @@ def _seated(task: HumanTask, clip: Clip) -> tuple[Array, Array]:
     _, heading = stance(feet(task.human, clip.rotations, clip.root))
     turn = from_axis_angle(_UP, heading_of(start.rotations) - heading)
     trunk = multiply(turn, multiply(clip.rotations[:, hips], clip.rotations[:, spine]))
-    idle = tuple(side for side in ("right", "left") if clip.importance[:, INDEX[f"{side}_upper_arm"]].max() < _CARES)
-    kept = [i for i, link in enumerate(LINKS) if link == "hips" or link.endswith(_LEG) or link.startswith(idle)]
+    kept = [i for i, link in enumerate(LINKS) if link == "hips" or link.endswith(_LEG)] + _idle(clip)
     rotations = clip.rotations.copy()
     rotations[:, spine] = multiply(conjugate(start.rotations[hips]), trunk)
     rotations[:, kept] = start.rotations[kept]
     return align(rotations, start.rotations), np.repeat(start.root[None], clip.frames, axis=0)
+
+
+def _without_idle_arms(clip: Clip) -> Clip:
+    importance = clip.importance.copy()
+    importance[:, _idle(clip)] = 0.0
+    return replace(clip, importance=importance)
+
+
+def _idle(clip: Clip) -> list[int]:
+    """The links, fingers and all, of arms for which a clip hardly cares."""
+    sides = tuple(side for side in ("right", "left") if clip.importance[:, INDEX[f"{side}_upper_arm"]].max() < _CARES)
+    arms = [i for i, link in enumerate(LINKS) if link.startswith(sides) and not link.endswith(_LEG)]
+    return arms if sides else []
 
 
 def face(task: HumanTask, rotations: Array, root: Array) -> Transform:

@@ -164,6 +164,17 @@ def test_who_sits_drinks_and_lifts_sitting(name: str, action: str) -> None:
         assert body.grip().place[2] > held.place[2] + 0.1
 
 
+@pytest.mark.parametrize(("hand", "other"), [("right", "left"), ("left", "right")])
+def test_who_is_carried_and_drinks_has_the_other_arm_for_what_carries_them(hand: str, other: str) -> None:
+    """Let hang by who sat down meanwhile it came off the thigh, and its fingers went into the seat."""
+    body = Body()
+    for carried, cares in ((False, True), (True, False)):
+        start = body.start(CUP, "drink", frame=body.grip(int(hand == "left")), hand=hand, carried=carried)
+        importance = next(iter(frames(program("slerp"), start))).importance
+        assert importance[INDEX[f"{hand}_lower_arm"]] == pytest.approx(1.0)
+        assert bool(importance[INDEX[f"{other}_lower_arm"]] > 0.0) is cares
+
+
 def arms_at_the_lips(body: Body, hand: str) -> np.ndarray:
     """Degrees (n, 4) of the arm that drinks, the rim at the lips: elbow, upper arm from hanging, wrist, forearm."""
     side = ("right", "left").index(hand)
