@@ -192,6 +192,10 @@ class Approach:
         kept = {side: palms[self.gaps[side] > least] for side, palms in self.palms.items()}
         return {side: palms for side, palms in kept.items() if len(palms)}
 
+    def by(self, side: str) -> Approach:
+        """The same with that hand alone."""
+        return replace(self, palms={side: self.palms[side]}, gaps={side: self.gaps[side]})
+
 
 def approaches(
     task: HumanTask, part: Part, taken: dict[str, list[Grip]], boxes: Sequence[Box], gaze: Looking

@@ -94,6 +94,7 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     goal = Goal(part.site.place, palms=ways[0].clear)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    each = [[way.by(side) for way in ways if side in way.palms] for side in taken]  # for one hand alone
     ways = lasting(reaching, ways, _MOST_WAYS) or ways[:1]
     best: _Tried | None = None
     refused: AlgorithmError | None = None
@@ -108,6 +109,9 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         best = one if best is None or one.flaw < best.flaw else best
         if best.flaw <= 0.0:
             break
+        while not ways and each and _touching(task, best):  # the ways are the clearest for both
+            own = each.pop()
+            ways = lasting(reaching, own, _MOST_WAYS) if own else []
     if best is None:
         assert refused is not None
         raise refused
@@ -116,8 +120,8 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         best = replace(best, made=(yield from best.perform(best.plan)))
     if short := _short(task, best.part, best.plan, best.made):
         raise AlgorithmError(short)
-    side = best.plan.reacher.side
-    refuse_touching(task, side, *_shown(best.made, best.back(task)), beside(task))
+    if touching := _touching(task, best):
+        raise touching
     yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
 
 
@@ -137,6 +141,15 @@ class _Tried:
     def back(self, task: HumanTask) -> Array:
         """Frames (n, 260) in which it goes back."""
         return _back(task, self.part, self.plan, self.made)
+
+
+def _touching(task: HumanTask, tried: _Tried) -> AlgorithmError | None:
+    """Why it is not to be made, where its hand would be in what is beside."""
+    try:
+        refuse_touching(task, tried.plan.reacher.side, *_shown(tried.made, tried.back(task)), beside(task))
+    except AlgorithmError as error:
+        return error
+    return None
 
 
 def _tried(
