@@ -18,6 +18,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.nearer import gone_nearer
+from ahmss.algorithm.own_arm import in_own_arm
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
@@ -28,7 +29,7 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
-from ahmss.reaching.performing import Performed
+from ahmss.reaching.performing import Fingers, Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of
@@ -42,6 +43,7 @@ MOST_OFF, MOST_ASKEW = 0.005, 3.0  # metres and degrees by which it may come dow
 EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
 STRETCHED = 0.98  # of the arm's length, at the end: farther one steps nearer
 SURELY = 0.955  # the same from where one will stand
+PASSES, BRUSHES, AIR = 3, 0.002, 0.12  # ways past the own other arm; metres: what is in it; by which way is moved more
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -126,7 +128,7 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     links = list(fingers(task.hand))
     shape = task.start.rotations[links]
     then, open_by = _then(task, palm)
-    made = yield from performed(task, reaching, plan, gaze, (links, shape), then)
+    made = yield from _past_own_arm(task, reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(shape, opened(task.hand, shape[:2]), open_by[:, None])
     down = length + int(np.flatnonzero(open_by <= 0.0)[-1])
@@ -142,6 +144,25 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     deep = f"the {task.hand} arm would be {1000.0 * depth:.0f} mm in something" if depth > DEEP else ""
     poor = bool(lacks or deep) or made.flaw > TOUCHES
     return Laid(task.block(made.rotations, made.root, made.importance, made.targets), poor, lacks or deep)
+
+
+def _past_own_arm(
+    task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking, shape: Fingers, then: Array
+) -> Generator[Array, None, Performed]:
+    """The frames of a plan, by a way on which what is carried goes past the other arm and not through it, if any."""
+    best: tuple[float, Performed] | None = None
+    way, made = plan, None
+    for _ in range(PASSES):
+        made = yield from performed(task, reaching, way, gaze, shape, then)
+        deep, away = in_own_arm(task, task.hand, made)
+        best = min(best or (deep, made), (deep, made), key=lambda one: one[0])
+        if deep <= BRUSHES:
+            break
+        way = way.moved((deep + AIR) * away)
+    assert best is not None
+    if best[1] is not made and (task.length or best[1].looked < 1.0):  # the eyes have gone on since it was made
+        return (yield from performed(task, reaching, best[1].plan, gaze, shape, then))
+    return best[1]
 
 
 def _depth(task: HumanTask, made: Performed) -> float:

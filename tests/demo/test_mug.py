@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
@@ -17,45 +15,13 @@ from ahmss.main.play import PlaySetup, play_script
 from tests.grasping.shapes import MUGS, THICK, mug, outside
 
 from .conftest import ROOT
+from .made import workspace_with
 from .recorded import Recorded
 from .skin import Skin
 
 pytestmark = pytest.mark.timeout(180)
 
 SITE = 'position = [{x}, 0.0, 0.06]\norientation = [0.0, 0.0, 0.0, 1.0]\ngrip = "power"'
-KIND = """
-name = "{name}"
-sentence = "A mug with a handle."
-shape = "mug.stl"
-unit = "m"
-
-[sites.wall]
-{site}
-
-[affordances.reach]
-human_algorithm = "reach"
-site = "wall"
-needs = {{ free_hands = 1 }}
-frames = 0
-
-[affordances.grasp]
-human_algorithm = "grasp"
-object_algorithm = "follow_hand"
-site = "wall"
-hold = "take"
-first = "reach"
-needs = {{ free_hands = 1 }}
-frames = 30
-
-[affordances.put]
-human_algorithm = "lay_down"
-motion = "../floor/walk.npz"
-site = "wall"
-parameters = {{ let_go = false }}
-asks = ["goal_position"]
-hold = "keep"
-frames = 0
-"""
 SCRIPT = """
 add floor
 add table at 0.77 0.2
@@ -71,17 +37,9 @@ DEEPEST, MOVED, ON_IT = 0.002, 0.001, 0.003  # metres
 
 def taken(folder: Path, who: str, name: str, facing: int, side: str) -> tuple[Recorded, Array]:
     """The recording of a mug that is taken and put elsewhere, and the mug's triangles."""
-    for part in ("humandb", "algorithms"):
-        shutil.copytree(ROOT / part, folder / part)
-    for kind in ("floor", "table", "human", "textures"):
-        shutil.copytree(ROOT / "objectdb" / kind, folder / "objectdb" / kind)
     deep, tall = MUGS[name]
     triangles = mug(deep, tall)
-    kind = folder / "objectdb" / name
-    kind.mkdir()
-    trimesh.Trimesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)).export(kind / "mug.stl")
-    site = SITE.format(x=0.04 + deep + THICK + 0.0025)
-    (kind / "object.toml").write_text(KIND.format(name=name, site=site))
+    workspace_with(folder, name, triangles, SITE.format(x=0.04 + deep + THICK + 0.0025))
     y = 0.1 if side == "left" else -0.1
     script = folder / "mug.txt"
     script.write_text(SCRIPT.format(name=name, facing=facing, who=who, side=side, y=y))
