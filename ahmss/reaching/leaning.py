@@ -37,6 +37,7 @@ _MOST_TURN, _ADVANCE, _ASIDE = np.radians(60.0), np.radians(15.0), np.radians(80
 _EFFORT = np.array([0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2])
 _KNEES, _LOW = 4.0, (0.25, 0.4)  # a metre of bent knees for what is not low; low ends so high, metres, and over so many
 _EASY, _TOO_FAR, _ARM, _INSIDE, _LIMIT = 4.0, 600.0, 0.15, 400.0, 3000.0
+_FLOOR, _ON_FLOOR = (0.1, 0.15), 10.0  # metres: so low, and over so many, an arm at ease is worth the knees' bending
 _HALF = 0.5
 _ROOM, _NOTHING = 0.02, 1e-6  # of the arm's length, by which an arm is to be less than bent altogether; metres
 _TRUNK = ("hips", "spine", "head", "right_lower_leg", "left_lower_leg")
@@ -165,7 +166,8 @@ def _least(
     stretched = np.linalg.norm(wrist - reacher.shoulder(spine), axis=-1) / reacher.length
     cost += _EASY * np.maximum(stretched - EASY, 0.0) ** 2 + _TOO_FAR * np.maximum(stretched - STRETCHED, 0.0) ** 2
     cost += _TOO_FAR * np.maximum(reacher.shortest / reacher.length + _ROOM - stretched, 0.0) ** 2
-    cost += _ARM * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
+    low = np.clip(1.0 - (wrist[2] - _FLOOR[0]) / _FLOOR[1], 0.0, 1.0)
+    cost += (_ARM + low * (_ON_FLOOR - _ARM)) * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
     cost += _LIMIT * overbent(skeleton, seen) ** 2
     if prisms:
         cost += _INSIDE * sunk(standing, made, prisms)

@@ -52,6 +52,21 @@ def test_eyes_and_head_go_first() -> None:
     assert head[5] > 3.0 * np.degrees(1e-3)
 
 
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("place", [(0.35, -0.1), (0.45, -0.1), (0.55, -0.1), (0.33, 0.05)])
+def test_a_cup_on_the_floor_is_reached_with_the_knees_bent_so_far_that_the_wrist_can_turn(
+    name: str, place: tuple[float, float]
+) -> None:
+    body, cup = Body(name, facing=0.0), Transform(np.array([*place, 0.0]), np.array([1.0, 0.0, 0.0, 0.0]))
+    hips = body.root[2]
+    body.do("reach", body.start(CUP, "reach", frame=cup, **FREE | {"hand": "right"}))
+    palm, wall = body.grip(), cup.apply(np.array([0.0, 0.0, 0.052]))
+    assert abs(palm.place[2] - wall[2]) < 0.01
+    assert np.hypot(*(palm.place - wall)[:2]) == pytest.approx(0.066, abs=0.01)
+    assert abs(rotate(palm.rotation, np.array([0.0, 0.0, 1.0]))[2]) > np.cos(np.radians(12.0))
+    assert body.root[2] < 0.65 * hips
+
+
 @pytest.mark.parametrize(("y", "facing", "row"), [(0.0, -20.0, RIGHT_HAND), (-0.45, 20.0, LEFT_HAND)])
 def test_the_nearer_hand_is_used(y: float, facing: float, row: int) -> None:
     poses = list(frames(program("reach"), Body(y=y, facing=facing).start(CUP, "reach", **FREE)))
