@@ -76,7 +76,8 @@ def seat_of(task: HumanTask) -> Seated | None:
 def must_stand(task: HumanTask, what: str) -> str:
     """That one must stand for something, and what to do, in words."""
     seat = seat_of(task)
-    return f"one must stand to {what}; " + (f"`do {seat.thing.name} stand_up` first" if seat else "stand up first")
+    stands = f"`do {seat.thing.name} stand_up` first" if seat else "stand up first: `do floor stand`"
+    return f"one must stand to {what}; {stands}"
 
 
 def drawn_up(thing: WorldObject) -> list[tuple[Array, float]]:

@@ -131,7 +131,7 @@ def test_to_a_thing_one_comes_to_where_it_is_used(name: str) -> None:
 def test_who_sits_is_told_to_stand_up() -> None:
     body = Body("ken", *FROM)
     body.root = body.root - np.array([0.0, 0.0, 0.4])
-    with pytest.raises(AlgorithmError, match="stand up first"):
+    with pytest.raises(AlgorithmError, match="stand up first: `do floor stand`"):
         walked(body, start(body, to(0.0, -2.0)))
 
 
