@@ -31,7 +31,9 @@ _ARM = ("upper_arm", "lower_arm")
 _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is drawn in, farther let down again
 _BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing turns there, and is careful for so long
 _SEEN = 40  # frames that are looked ahead
-_LAG = 0.09  # seconds of each of three lags one after the other, by which an arm sets out and arrives softly
+# Seconds of each of three lags one after the other, by which an arm sets out and arrives softly; the same of one whose
+# hand comes from elsewhere than where it hangs, and turns for that, too.
+_LAG, _LAG_COMING = 0.09, 0.16
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
 _COMES, _MOVES, _STRAY = 60, 0.02, 0.1  # frames, radians, radians: what sets out from elsewhere comes, and how straight
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
@@ -55,7 +57,8 @@ class Tucking:
         self._first = first
         self._task = task
         self._given = self._first_given = np.zeros((0, 4))
-        self._skeleton, self._rate = task.human, 1.0 - np.exp(-1.0 / (_LAG * task.rate))
+        self._skeleton, self._coming = task.human, set[str]()
+        self._rates = [1.0 - np.exp(-1.0 / (lag * task.rate)) for lag in (_LAG, _LAG_COMING)]
         self._sides = [side for side in _SIDES if side not in task.busy and side != but]
         self._prisms = [prism for prism in prisms_of(task) if not (but and prism.sought)]
         self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
@@ -131,6 +134,11 @@ class Tucking:
         for after in self._after.values():
             after.clear()
         near = _about(self._prisms, root)
+        if begun == 0:
+            off = _angles(rotations[0], self._task.start.rotations)
+            self._coming = {side for side in self._sides if off[INDEX[f"{side}_hand"]] > _OTHERS}
+        elif begun >= _COMES:
+            self._coming.clear()
         drawn_in = max(float(level.max()) for level in self._level.values()) >= _NONE
         if not near and not drawn_in and all(arm.still for arm in self._hanging.values()):
             return rows
@@ -184,9 +192,9 @@ class Tucking:
 
     def _comes_to(self, side: str, wanted: float) -> float:
         """How far the arm is drawn in a frame later, softly on its way to what is wanted."""
-        level = self._level[side]
+        level, rate = self._level[side], self._rates[side in self._coming]
         for i in range(len(level)):
-            level[i] += self._rate * (wanted - level[i])
+            level[i] += rate * (wanted - level[i])
             wanted = float(level[i])
         self._after[side].append((level.copy(), self._wanted[side]))
         return wanted

@@ -38,7 +38,7 @@ _FARTHER, _SPOTS, _STRAIGHT = (1.0, 1.5, 2.1, 2.8), 8, 1.3  # of _ASIDE; places 
 _HARDLY = 0.02  # metres less than _ASIDE that serve
 _ROOM, _LEFT = 0.72, 0.2  # metres: who is nearer is brushed by who passes; how far one goes until one passes
 _BESIDE = 1.0  # metres: out of who stands so near one keeps as out of things, in setting out
-_THICK, _THIN, _OWN = 0.34, 0.1, 0.27  # metres: how thick they are at the most, at the least; half of one's own width
+_THICK, _THIN, _OWN = 0.37, 0.1, 0.27  # metres: how thick they are at the most, at the least; half of one's own width
 _SPOT, _BACK = 0.2, np.radians(110.0)  # metres in which who turns by more doubles back
 _RING = np.stack([[np.cos(a), np.sin(a)] for a in np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)])
 

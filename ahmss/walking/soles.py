@@ -6,16 +6,21 @@ What is nearer to the floor than two millimetres and moves seems to slide over i
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 from shapely import LineString
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.motion.easing import minimum_jerk
 
-__all__ = ["CLEAR", "FLAT", "clearance", "middle", "rolled", "sole_angles", "turned"]
+__all__ = ["CLEAR", "FLAT", "clearance", "middle", "pushed_off", "rolled", "sole_angles", "turned"]
 
 CLEAR = 0.0022  # metres that a foot is over the floor, at least, in its first and last frame in the air
 FLAT = 1e-6  # radians of pitch over which a foot stands on its heel
 _FALL, _RISE = 7.0, 6.0  # how soon what a foot is higher is over, before it lands and after it has lifted
+# Frames over which a foot's pitch is smoothed as it pushes off, how many before and after count; and how far the toes
+# point down, radians, from where on it is smoothed in full.
+_SOFTLY, _COUNT, _DOWN = 2.0, 4, 0.08
 _UP, _LEFT, _FORWARD = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
 
 
@@ -23,6 +28,16 @@ def sole_angles(feet: Array) -> tuple[Array, Array]:
     """Heading without jumps and pitch (toes up), both (F, ...), of feet (F, ..., 4)."""
     ahead = rotate(feet, _FORWARD)
     return np.unwrap(np.arctan2(ahead[..., 1], ahead[..., 0]), axis=0), np.arcsin(np.clip(ahead[..., 2], -1.0, 1.0))
+
+
+def pushed_off(pitch: Array) -> Array:
+    """A foot's pitch (F,), from a landing to the next, with a softer push-off.
+
+    The heel rises sooner, and the toes leave less fast: an ankle and a knee that follow a heel which
+    rises all at once would leap.
+    """
+    share = minimum_jerk(-pitch / _DOWN)
+    return pitch + share * (gaussian_filter1d(pitch, _SOFTLY, mode="nearest", radius=_COUNT) - pitch)
 
 
 def middle(soles: Array, place: Array, heading: float) -> LineString:

@@ -22,7 +22,8 @@ from ahmss.walking.legs import foot_frames
 from ahmss.walking.line import Line
 from ahmss.walking.nominal import Nominal
 from ahmss.walking.passing import around
-from ahmss.walking.soles import FLAT, clearance, middle, rolled, sole_angles, turned
+from ahmss.walking.soles import FLAT, clearance, middle, pushed_off, rolled, sole_angles, turned
+from ahmss.walking.uncurling import uncurled
 
 __all__ = ["Ends", "Footprints", "Seen", "Tread"]
 
@@ -220,6 +221,8 @@ class Tread:
         ankle, pitch = self._seen.ankles[frames, self._foot], self._seen.pitch[frames, self._foot]
         loose, yaw = self._seen.yaw[frames, self._foot], self._yaw[frames]
         before = np.searchsorted(stances.first, frames, side="right") - 1
+        strides = np.split(pitch, np.flatnonzero(np.diff(before)) + 1)  # from landing to landing
+        pitch = np.concatenate([pushed_off(stride) for stride in strides])
         bears = frames < stances.end[before]
         after = np.minimum(before + (~bears), len(stances.first) - 1)
         lift, land = stances.end[before] - 1 - origin, stances.first[after] - origin
@@ -263,9 +266,14 @@ class Tread:
             if self._aside is not None:
                 spread[:, :2] -= weight[:, None] * self._aside[frames[at]]
         out += spread
+        out[bears] = standing[bears]
+        if self._aside is not None:
+            out[bears, :2] -= self._aside[frames[bears]]
         for b in np.unique(before[swings]).tolist():
             swing = swings & (before == b)
-            stands = self.other.stands(origin + int(lift[swing][0]))
+            first, last = int(lift[swing][0]), int(land[swing][0])
+            out[first : last + 1, :2] = uncurled(out[first : last + 1, :2])
+            stands = self.other.stands(origin + first)
             way, sign = stances.to[b + 1] - stances.to[b], 1.0 if self._foot else -1.0
             out[swing, :2] += around(out[swing, :2], u[swing], heading[swing], stands, way, sign)
         if self._aside is not None:

@@ -153,6 +153,25 @@ def test_an_arm_that_was_raised_as_one_sets_out_is_drawn_in_where_no_other_motio
         assert palms(made)[-1, 0, 2] > palms(made)[0, 0, 2] + 0.2
 
 
+def test_a_hand_that_comes_from_elsewhere_is_drawn_in_no_faster_than_arms_move() -> None:
+    task, rows = stood(np.array([2.86, 0.25, 0.0]))
+    row, hand = task.start.row.copy(), 4 + 4 * INDEX["right_hand"]
+    tucked = Tucking(task).over(np.repeat(rows[:1], 160, axis=0))[-1]
+    drawn_in = to_rotation_vector(multiply(conjugate(row[hand : hand + 4]), tucked[hand : hand + 4]))
+    axis = drawn_in / np.linalg.norm(drawn_in)
+    row[hand : hand + 4] = multiply(row[hand : hand + 4], from_axis_angle(axis, -1.1))  # the other way than it goes
+    task.start = task.present = HumanFrame(row)
+    smooth, shown = Inertialiser(60.0), [task.start.rotations]
+    smooth.place(task.start.rotations, task.start.root)
+    for piece in Tucking(task).over(np.repeat(rows[:1], 160, axis=0)):
+        made, root = smooth.step(piece[4:176].reshape(43, 4), piece[1:4], np.full(43, len(shown) == 1), False)
+        smooth.settle(made, root)
+        shown.append(made)
+    turns = np.array(shown)[:, INDEX["right_hand"]]
+    step = np.degrees(np.linalg.norm(to_rotation_vector(multiply(conjugate(turns[:-1]), turns[1:])), axis=-1))
+    assert 4.0 < step.max() < 7.0
+
+
 def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_alone() -> None:
     for at in (palms(walked(np.array([2.0, 1.2, 0.0]))), palms(walked(np.array([2.86, 0.25, 0.0]), "right"))):
         np.testing.assert_allclose(at[-1], at[0], atol=1e-9)
