@@ -1,4 +1,4 @@
-"""Who sits, on what, and rolling on it: the feet push and step, the seat on castors comes along under the hips.
+"""Rolling on what one sits on: the feet push and step, the seat on castors comes along under the hips.
 
 The hips go level, over a seat that stays under them as its object's algorithm `rolled` follows them, and turn with it.
 The feet go in turn to where they were before the hips. What stands about is kept clear of by castors, seat, trunk,
@@ -15,6 +15,7 @@ import numpy as np
 
 from ahmss.algorithm.box import boxes_of
 from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.sitting import Seated, heading_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, solve
@@ -26,11 +27,9 @@ from ahmss.motion.planting import feet
 from ahmss.reaching.prism import Prism
 from ahmss.walking.library import BODY
 
-__all__ = ["Seated", "drawn_up", "heading_of", "must_stand", "rolled_to", "seat_of"]
+__all__ = ["drawn_up", "rolled_to"]
 
-_ON = 0.2, 0.3  # metres: hips so near to a seat's middle, and so high over it at the most, are on it
 _UP = np.array([0.0, 0.0, 1.0])
-_LEFT = np.array([0.0, 1.0, 0.0])
 _STRIDE, _TURN = 0.13, np.radians(24.0)  # metres, radians of a push of both feet at the most
 _SECONDS, _A_METRE, _A_RADIAN = 0.6, 2.6, 0.9  # of a way: by itself, for each metre, for each radian
 _PUSHED = 0.06, 0.94  # shares of a way's time between which the hips go
@@ -50,48 +49,12 @@ _OF_SITTER = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Seated:
-    """What a human sits on; `castors`, whether it rolls."""
-
-    thing: WorldObject
-
-    @property
-    def castors(self) -> bool:
-        """Whether it rolls."""
-        return self.thing.properties.get("castors") is True
-
-
-def seat_of(task: HumanTask) -> Seated | None:
-    """What the human sits on; None who sits on nothing that tells a site `seat`."""
-    root = task.start.root
-    things = [thing for thing in (*task.world.values(), task.object) if thing is not None and "seat" in thing.sites]
-    for thing in things:
-        over = root - thing.site("seat", root).place
-        if np.hypot(over[0], over[1]) < _ON[0] and 0.0 < over[2] < _ON[1]:
-            return Seated(thing)
-    return None
-
-
-def must_stand(task: HumanTask, what: str) -> str:
-    """That one must stand for something, and what to do, in words."""
-    seat = seat_of(task)
-    stands = f"`do {seat.thing.name} stand_up` first" if seat else "stand up first: `do floor stand`"
-    return f"one must stand to {what}; {stands}"
-
-
 def drawn_up(thing: WorldObject) -> list[tuple[Array, float]]:
     """Where the hips (2,) of who sits before a thing may be, and which way they look, radians: the best first."""
     x = rotate(thing.rotation, np.array([1.0, 0.0, 0.0]))[:2]
     front = x / max(float(np.linalg.norm(x)), 1e-9)
     heading = float(np.arctan2(-front[1], -front[0]))
     return [(thing.place[:2] + away * front, heading) for away in _AWAY]
-
-
-def heading_of(rotations: Array) -> float:
-    """Which way hips (43, 4) look, level, radians: as their left says, however they lean."""
-    left = rotate(rotations[0], _LEFT)
-    return float(np.arctan2(-left[0], left[1]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ahmss.algorithm.castors import heading_of, must_stand
 from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.sitting import LOWEST, heading_of, must_stand
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.plan import Plan
 
-__all__ = ["LOWEST", "MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there"]
+__all__ = ["MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there"]
 
 MOST_MISSING = 0.03
 """Metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of."""
-LOWEST = 0.75
-"""Of the upright hips' height: who is lower sits or kneels."""
 
 _TOLD = 0.001  # metres
 _AT_IT = 0.9  # metres, level, from a thing's middle: who walks to it comes so near as a rule

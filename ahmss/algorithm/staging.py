@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ahmss.algorithm.castors import heading_of, must_stand, seat_of
-from ahmss.algorithm.out_of_reach import LOWEST
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.settling import settle
+from ahmss.algorithm.sitting import LOWEST, heading_of, must_stand, seat_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward

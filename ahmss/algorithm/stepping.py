@@ -13,10 +13,10 @@ from functools import partial
 import numpy as np
 import shapely
 
-from ahmss.algorithm.castors import must_stand
 from ahmss.algorithm.giving_way import points_of
-from ahmss.algorithm.out_of_reach import LOWEST, walk_there
+from ahmss.algorithm.out_of_reach import walk_there
 from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.sitting import LOWEST, must_stand
 from ahmss.algorithm.task import HumanTask
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.castors import heading_of
+from ahmss.algorithm.sitting import heading_of
 from ahmss.body.quaternion import from_axis_angle, multiply
 
 ON = 0.2, 0.3  # metres: hips so near to the seat's middle, and so high over it at the most, are on it

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.castors import Seated, heading_of, must_stand, rolled_to, seat_of
+from ahmss.algorithm.castors import rolled_to
 from ahmss.algorithm.controls import begun_at
 from ahmss.algorithm.haste import hurried
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.seat_room import in_its_room
+from ahmss.algorithm.sitting import Seated, heading_of, must_stand, seat_of
 from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve

@@ -16,12 +16,12 @@ import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.castors import seat_of
 from ahmss.algorithm.meanwhile import waited
 from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.algorithm.reading import before_eyes
+from ahmss.algorithm.sitting import seat_of
 from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.castors import Seated, drawn_up, heading_of, rolled_to, seat_of
+from ahmss.algorithm.castors import drawn_up, rolled_to
 from ahmss.algorithm.controls import before, begun_at, front_of, gone_to
 from ahmss.algorithm.elbow_room import awaited
 from ahmss.algorithm.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
 from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far, tell_missed
 from ahmss.algorithm.reaching import Looking, prisms_of
+from ahmss.algorithm.sitting import Seated, heading_of, seat_of
 from ahmss.algorithm.stepping import ground_of, walk_library
 from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
-from ahmss.algorithm.castors import heading_of, must_stand, seat_of
 from ahmss.algorithm.messages import Goal, ObjectRecord
+from ahmss.algorithm.sitting import heading_of, must_stand, seat_of
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.errors import AlgorithmError

@@ -163,7 +163,7 @@ def test_who_would_have_to_stretch_for_a_place_steps_to_it(tmp_path: Path) -> No
 
 
 def test_a_place_to_which_no_arm_brings_it_upright_is_refused_and_it_stays_in_the_hand(tmp_path: Path) -> None:
-    shown, _, told = said(tmp_path, "-0.6 0.6")
+    shown, _, told = said(tmp_path, "-0.6 0.6 2.6")
     (line,) = told
     assert "cup put" in line
     assert "say a place" in line
@@ -215,10 +215,20 @@ def test_who_steps_to_a_put_keeps_the_free_hand_out_of_the_table_from_the_first_
     assert [one for one in met(tmp_path / "r.rec", "ken", ROOT, 1, 0.002) if one.thing == "table"] == []
 
 
+def test_on_the_floor_it_is_put_crouching(tmp_path: Path) -> None:
+    shown, skin, told = said(tmp_path, "-0.5 0.6", "do cup release\ndo floor stand\n")
+    assert told == []
+    np.testing.assert_allclose(shown.objects["cup"][-1, :3], [-0.5, 0.6, 0.0], atol=2e-3)
+    hips = shown.links[0][:, INDEX["hips"], 2]
+    assert hips.min() < 0.7 < 0.85 < hips[-1]
+    assert fastest_arm(shown) < 7.0
+    assert max((one.depth for one in skin if one.thing != "floor"), default=0.0) < 0.002, skin[0]
+
+
 def test_a_place_that_is_too_low_or_too_far_off_is_refused_before_anybody_moves(tmp_path: Path) -> None:
-    shown, _, told = said(tmp_path, "-0.5 0.6", "do cup put to 14 9\n")
+    shown, _, told = said(tmp_path, "-0.5 0.6 -0.4", "do cup put to 14 9\n")
     low, far = told
-    assert re.search(r"-0.50 0.60 0.00 is too low, 0.9\d m under the hips: .*; say a place that is higher", low)
+    assert re.search(r"-0.50 0.60 -0.40 is too low, 1.3\d m under the hips: .*; say a place that is higher", low)
     assert re.search(r"14.00 9.00 0.00 is 1\d.\d m from here, too far to step there; walk to it first", far)
     feet = shown.links[0][:, [INDEX["right_foot"], INDEX["left_foot"]]]
     assert np.ptp(feet, axis=0).max() < 0.005

@@ -71,7 +71,7 @@ def ken(server: Start, join: Join, workspace: Path) -> MainProcess:
     write_algorithm(workspace, "deaf", "object", "", NOTES.replace("notes", "deaf"))
     with (workspace / "objectdb/box/object.toml").open("a") as file:
         file.write(KIND)
-    main = join(server())
+    main = join(server(lockstep=["ken"]), fast=True, names=("ken",))
     main.play(steps("add box as b at 0.3 0 1"))
     return main
 
