@@ -24,6 +24,7 @@ LEFT = np.array([0.0, 1.0, 0.0])  # y of the head's frame; a turn about it bows
 
 
 def {function}(task: HumanTask):
+    """One pose a frame; each names the links that it moves."""
     head = task.start.rotations[2]
     depth = task.parameter("depth", 0.4)
     for k in task.frames():
@@ -42,6 +43,7 @@ from ahmss.algorithm import ObjectTask, run
 
 
 def {function}(task: ObjectTask):
+    """One pose a frame, where the object is in it."""
     in_palm = None
     for human in task.frames():
         palm = human.grip(task.hand or "right")

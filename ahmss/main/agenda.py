@@ -62,7 +62,7 @@ class Agenda:
         self._cut = False
         self._doing = self._announcement = ""
         self._announced_at = 0  # the main's frame
-        self._failures = 0
+        self._failures = self._parts = 0
         self._now: Step | None = None
         self._wrong = self._wrong_before = 0
         self.said: Callable[[str], None] = _keep_quiet
@@ -148,9 +148,12 @@ class Agenda:
         """Say once that the motions of the last line are over; of those that failed that was said already."""
         control = self._main.control
         if self._doing and not control.busy:
-            if control.failures == self._failures:
+            failed = control.failures - self._failures
+            if failed == 0:
                 self.announce()
                 self.said(f"{self._doing}: done")
+            elif failed < self._parts:
+                self.said(f"{self._doing}: done, but for what could not be")
             self._doing = self._announcement = ""
         elif self._main.report.frames >= self._announced_at:
             self.announce()
@@ -205,7 +208,7 @@ class Agenda:
         orders = main.database.orders(line.acts, main.communication, actor)
         refuse_two_carriers(orders)
         main.control.begin(orders)
-        self._doing, self._failures = title(orders), main.control.failures
+        self._doing, self._failures, self._parts = title(orders), main.control.failures, len(orders)
         self._announcement = f"{self._doing}: {lasting(orders, self._setup.rate)}"
         self._announced_at = main.report.frames + round(_REFUSED_IN * self._setup.rate)
 

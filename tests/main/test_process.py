@@ -431,6 +431,9 @@ def test_what_is_refused_is_not_announced_first_and_is_said_in_the_words_of_who_
     assert (said, ken.report.messages) == ([], [why])
     ken.play(steps("do b wave frames 20"))
     assert said == ["b wave: 0.3 s", "b wave: done"]
+    said.clear()
+    ken.play(steps(f"do b wave frames 60 with {line.removeprefix('do ')}"))
+    assert said[-1] == f"b wave with {line.removeprefix('do ')}: done, but for what could not be"
 
 
 def test_a_note_comes_after_what_it_is_about(ken: MainProcess) -> None:
