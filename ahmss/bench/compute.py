@@ -47,6 +47,7 @@ CASES = {
 _AFFORDED = {"playback": "playback", "slerp": "slerp", "carry": "playback", "walk": "walk", "stroll": "walk"}
 _MOVING = ("carry", "stroll")
 _CAUGHT = 1.0  # metres from it at which a walker's hand holds the thing already: it hangs in it from the first frame on
+_NEVER = 0.0  # the same of a thing that is only watched: in the hand it would be elsewhere for the next motion
 _HUMAN = "bench"
 _WARM, _FRAMES, _ROUNDS = 300, 1000, 5
 _PACE = 0.0195  # metres a frame that nobody walks faster than, so that a walk is long enough to be measured
@@ -185,8 +186,7 @@ def _object_file(kind: str, site: Transform) -> str:
         lines += ['asks = ["goal_position"]', "frames = 0"] if algorithm == "walk" else ['site = "here"']
         if name in _MOVING:
             lines += ['object_algorithm = "follow_hand"']
-        if name == "stroll":
-            lines += [f"parameters = {{threshold = {_CAUGHT}}}"]
+            lines += [f"parameters = {{threshold = {_CAUGHT if name == 'stroll' else _NEVER}}}"]
     return "\n".join(lines) + "\n"
 
 

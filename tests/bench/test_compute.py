@@ -17,6 +17,13 @@ def test_every_case_makes_frames_through_real_processes() -> None:
             assert one.rate(line, frames=5, rounds=2, warm=5) > 0.0
 
 
+def test_what_is_only_watched_stays_where_it_is_for_the_next_motion() -> None:
+    with rig(Workspace.find()) as one:
+        before = one.place_of("thing")
+        one.rate(CASES["object"], frames=100, rounds=2, warm=50)
+        assert one.place_of("thing") == pytest.approx(before, abs=1e-12)
+
+
 def test_a_line_that_fails_gives_no_number() -> None:
     with rig(Workspace.find()) as one, pytest.raises(AhmssError, match="juggle"):
         one.rate("do thing juggle frames {n}", frames=5, rounds=2, warm=5)
