@@ -10,7 +10,7 @@ import numpy as np
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.motion.steps import finished
+from ahmss.motion.steps import Steps
 from ahmss.reaching.other_arm import out_of_things
 from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.standing import Posture
@@ -21,14 +21,14 @@ _CARES = 1.0  # its importance where it is moved: as that of the arm that acts
 _ROTATIONS, _IMPORTANCE = slice(4, 176), slice(176, 219)  # of a row
 
 
-def free_arm_kept_out(task: HumanTask, side: str, rows: Array) -> Array:
+def free_arm_kept_out(task: HumanTask, side: str, rows: Array) -> Steps[Array]:
     """POSE rows (n, 260) of a motion of one side's hand, the other arm, if it is free, moved out of things."""
     other = Reacher.of(task.human, SIDES[1 - SIDES.index(side)])
     if other.side in task.busy or task.carried:
         return rows
     start = Posture(task.start.rotations, task.start.root)
     poses = Posture(rows[:, _ROTATIONS].reshape(-1, 43, 4), rows[:, 1:4])
-    made = finished(out_of_things(other, prisms_of(task), start, poses))
+    made = yield from out_of_things(other, prisms_of(task), start, poses)
     if np.array_equal(made, poses.rotations[:, other.links]):
         return rows
     out = rows.copy()

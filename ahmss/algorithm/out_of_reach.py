@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.sitting import LOWEST, heading_of, must_stand
+from ahmss.algorithm.sitting import heading_of, must_stand, stands
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -46,7 +46,7 @@ def tell_missed(task: HumanTask, plan: Plan, palm: Array) -> None:
 
 def come_nearer(task: HumanTask) -> str:
     """What to do for an arm to come there: a line to be typed where one helps."""
-    if task.start.root[2] < LOWEST * task.human.upright()[1][2]:
+    if not stands(task):
         return must_stand(task, "come nearer")
     thing = _meant(task)
     if thing is None:

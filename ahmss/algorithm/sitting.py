@@ -11,7 +11,7 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 
-__all__ = ["LOWEST", "Seated", "heading_of", "must_stand", "seat_of"]
+__all__ = ["LOWEST", "Seated", "heading_of", "must_stand", "seat_of", "stands"]
 
 LOWEST = 0.75
 """Of the upright hips' height: who is lower sits or kneels."""
@@ -41,6 +41,11 @@ def seat_of(task: HumanTask) -> Seated | None:
         if np.hypot(over[0], over[1]) < _ON[0] and 0.0 < over[2] < _ON[1]:
             return Seated(thing)
     return None
+
+
+def stands(task: HumanTask) -> bool:
+    """Whether the human stands: neither sits nor crouches."""
+    return bool(task.start.root[2] >= LOWEST * task.human.upright()[1][2])
 
 
 def must_stand(task: HumanTask, what: str) -> str:

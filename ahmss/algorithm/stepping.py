@@ -16,7 +16,7 @@ import shapely
 from ahmss.algorithm.giving_way import points_of
 from ahmss.algorithm.out_of_reach import walk_there
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.sitting import LOWEST, must_stand
+from ahmss.algorithm.sitting import must_stand, stands
 from ahmss.algorithm.task import HumanTask
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
@@ -64,7 +64,7 @@ def walk_library(task: HumanTask) -> Library:
     """
     if task.library is None:
         raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
-    if task.start.root[2] < LOWEST * task.human.upright()[1][2]:
+    if not stands(task):
         raise AlgorithmError(must_stand(task, "walk"))
     return task.library
 

@@ -78,7 +78,7 @@ def _closes(task: HumanTask, side: str, grip: Transform, still: Array) -> Iterat
         yield from closed_at_last(rows)
         return
     if end.spine is not None:
-        rows = free_arm_kept_out(task, side, rows)
+        rows, _ = yield from waited(free_arm_kept_out(task, side, rows), still, None if wish else 0)
     yield from closed_at_last(resampled(rows, times_at_ease(task, rows, fingers(side), wish=wish)))
 
 
