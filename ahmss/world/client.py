@@ -10,11 +10,9 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Any, TypeVar, cast
 
-import msgspec
 import numpy as np
 import zmq
 
@@ -25,6 +23,7 @@ from ahmss.world import schema
 from ahmss.world.address import Address, parse
 from ahmss.world.keys import ClientKeys
 from ahmss.world.link import Link, Pending
+from ahmss.world.own import Own, OwnHumans
 from ahmss.world.schema import (
     CHUNK,
     HumanRecord,
@@ -49,18 +48,6 @@ _BUNDLE = 8
 _AHEAD = 32
 _READABLE = int(zmq.POLLIN)
 R = TypeVar("R")
-
-
-@dataclass
-class _Own:
-    """A human that this client moves, with what it must say to come back after a break."""
-
-    join: schema.Join
-    id: int
-    assets: dict[str, bytes]
-    last: bytes = b""
-    holds: dict[str, str] = field(default_factory=dict[str, str])
-    places: dict[int, Array] = field(default_factory=dict[int, Array])
 
 
 class WorldClient:
@@ -99,7 +86,7 @@ class WorldClient:
         self._keys, self._follow = keys, follow
         self._context = context or zmq.Context()
         self._owns_context = context is None
-        self._own: dict[str, _Own] = {}
+        self._own = OwnHumans()
         self._closed = False
         self._alone = False
         self._published = self._completed = self._calm = 0  # calm: the frame after which nothing falls
@@ -281,7 +268,7 @@ class WorldClient:
         self.hello()
         joined = self._ask(request, schema.Joined)
         assets = {key: data for key, data in zip(hashes, (record, shape, texture), strict=True) if data}
-        self._own[name] = _Own(request, joined.id, assets)
+        self._own[name] = Own(request, joined.id, assets)
         return joined.id
 
     def leave(self, name: str, *, stay: bool = False) -> None:
@@ -375,22 +362,9 @@ class WorldClient:
         self._rejoin()
 
     def _rejoin(self) -> None:
-        """Come back with each human; a server that was restarted may lack their assets."""
-        for own in self._own.values():
-            for name, data in own.assets.items():
-                for offset in range(0, len(data), CHUNK):
-                    self._link.ask(schema.PutAsset(name, len(data), offset, data[offset : offset + CHUNK]))
-            self._link.ask(self._again(own))
-
-    def _again(self, own: _Own) -> schema.Join:
-        pose = own.last[frames.HEADER.size :][: frames.POSE_BYTES] or own.join.pose
-        holds: list[ObjectPose] = []
-        for name in own.holds:
-            record = self.world.objects.get(name)
-            if record is not None:
-                x, y, z, *rotation = own.places.get(record.id, self.world.pose(name)).tolist()
-                holds.append(ObjectPose(name, (x, y, z), tuple(rotation)))
-        return msgspec.structs.replace(own.join, pose=pose, holds=holds, hands=dict(own.holds))
+        """Come back with each human."""
+        for request in self._own.to_return(self.world):
+            self._link.ask(request)
 
     def _answered(self, request: Request, reply: Reply) -> None:
         """Keep in mind what an answer means for later."""
@@ -400,34 +374,11 @@ class WorldClient:
             self._load(reply)
         elif isinstance(reply, schema.Joined) and isinstance(request, schema.Join):
             self._published = self._completed = reply.tick
-            if request.name not in self._own:
-                return
-            own = self._own[request.name]
-            own.id = reply.id
-            for name in reply.lost:
-                own.holds.pop(name, None)
-                self._note(f"{request.name} no longer holds {name}: somebody else does, or it is gone")
+            for reason in self._own.joined(request, reply):
+                self._note(reason)
         elif isinstance(reply, schema.Done):
             self._calm = max(self._calm, self._published + reply.ticks)
-            self._remember(request)
-
-    def _remember(self, request: Request) -> None:
-        """What a human holds, for a re-join."""
-        match request:
-            case schema.Claim(human=human, waits=False) if human in self._own:
-                self._own[human].holds.update(dict.fromkeys(request.objects, request.hand))
-            case schema.Release(human=human) if human in self._own:
-                for name in request.objects:
-                    self._own[human].holds.pop(name, None)
-            case schema.Transfer():
-                if request.giver in self._own:
-                    self._own[request.giver].holds.pop(request.object, None)
-                if request.taker in self._own:
-                    self._own[request.taker].holds[request.object] = request.hand
-            case schema.Leave(human=human):
-                self._own.pop(human, None)
-            case _:
-                pass
+            self._own.granted(request)
 
     def _subscribe(self, welcome: schema.Welcome) -> None:
         """Follow the published snapshots; again where a restarted server has them on another port."""
