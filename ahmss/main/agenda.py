@@ -14,8 +14,8 @@ from ahmss.main.aside import aside, at_once
 from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
 from ahmss.main.company import KIND
 from ahmss.main.comparing import Comparison
-from ahmss.main.database import find_object
 from ahmss.main.joined import lasting, refuse_two_carriers, title
+from ahmss.main.naming import find_object
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest

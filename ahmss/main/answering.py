@@ -21,9 +21,9 @@ from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Do as DoLine
 from ahmss.main.command import parse
 from ahmss.main.comparing import Comparison
-from ahmss.main.database import find_object
 from ahmss.main.joined import refuse_two_carriers
 from ahmss.main.ledger import OVER, Ledger
+from ahmss.main.naming import find_object
 from ahmss.main.people import records as people
 from ahmss.main.sight import WAITS, WORKS, Sight, eyes
 from ahmss.motion.edit import floor_frame

@@ -9,8 +9,8 @@ from ahmss.errors import AhmssError
 from ahmss.main.afforded import Actor, meant, offered, sentence_of
 from ahmss.main.communication import Communication
 from ahmss.main.company import KIND
-from ahmss.main.database import find_object
 from ahmss.main.dialogue import Listing
+from ahmss.main.naming import find_object
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["WorldCatalogue"]

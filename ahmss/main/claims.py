@@ -8,9 +8,10 @@ from dataclasses import replace
 from ahmss.database.records import Affordance
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, Unreachable, WorldError
+from ahmss.main.afforded import Actor
 from ahmss.main.communication import Communication
-from ahmss.main.database import Actor, Order
 from ahmss.main.motion import Mover
+from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.world.link import Pending
 

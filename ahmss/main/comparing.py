@@ -8,7 +8,8 @@ from typing import Any
 
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError
-from ahmss.main.database import Scene, find_object
+from ahmss.main.description import Scene
+from ahmss.main.naming import find_object
 from ahmss.states.state import State
 from ahmss.world.schema import StateValue
 

@@ -16,12 +16,14 @@ from ahmss.algorithm.process import Answer, Arrived, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, AlgorithmError, CommandError
+from ahmss.main.afforded import Actor
 from ahmss.main.blending import Blending, Contribution
 from ahmss.main.claims import Claims, refusal, wants_free
 from ahmss.main.communication import Communication
 from ahmss.main.company import beside, met, numbers
-from ahmss.main.database import Actor, Database, Order
+from ahmss.main.database import Database
 from ahmss.main.motion import Motion, Mover, Shown
+from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.showing import Showing
 from ahmss.main.surroundings import NOTHING, among, known, latest

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,62 +15,31 @@ from msgspec import UNSET
 
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips
-from ahmss.body.quaternion import rotate
 from ahmss.database.missing import check_files
 from ahmss.database.parameter import fill
-from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel, ObjectKind
+from ahmss.database.records import Affordance, AlgorithmEntry, HumanModel
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
+from ahmss.main import which_hand
 from ahmss.main.afforded import Actor, Meant, meant, why_not
 from ahmss.main.command import Act, Value
-from ahmss.main.company import KIND, Everything
+from ahmss.main.company import KIND
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
+from ahmss.main.naming import find_object
+from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
-from ahmss.main.suggesting import nearest, some
+from ahmss.main.suggesting import some
 from ahmss.main.tops import height_of_what_is_under, place_on_top
 from ahmss.world.schema import ObjectRecord
 
-__all__ = ["Actor", "Database", "Order", "Scene", "find_object"]
+__all__ = ["Database"]
 
 PATIENCE = "patience"
 """What may be said of every action: seconds that one waits for what another has."""
 
 _PATIENCE, _MOST_PATIENCE = 10.0, 3600.0  # seconds: where nobody says, and at the most
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
-_AT_IT = 0.2  # metres from an object within which a palm is at it
-_NUMBER = re.compile(r"[-+]?\d*\.?\d+")
 _REACHED = 0.15  # metres from an object within which a palm need not reach for it any more
-_ASIDE = 0.15  # metres to the left of the middle from which on the left hand is the nearer
-
-
-@dataclass(frozen=True, slots=True)
-class Order:
-    """One motion to be made: an act with all that the database knows of it."""
-
-    act: Act
-    object: str
-    affordance: Affordance
-    human_algorithm: AlgorithmEntry
-    object_algorithm: AlgorithmEntry | None
-    frames: int
-    after: int
-    hand: str
-    goal: messages.Goal
-    parameters: dict[str, Any]
-    object_parameters: dict[str, Any]
-    whom: str = ""  # the other human, of what changes hands
-    patience: float = 0.0  # seconds that one waits for what another has
-
-    @property
-    def wish(self) -> bool:
-        """Whether its frames are a wish: its algorithm says itself when it is over."""
-        return self.affordance.frames == 0 or (self.human_algorithm.stretches and not self.act.frames)
-
-    @property
-    def title(self) -> str:
-        """How the console calls it: `cup grasp`."""
-        return f"{self.whom or self.object} {self.affordance.name}"
 
 
 class Database:
@@ -133,8 +101,8 @@ class Database:
             raise CommandError(f"{title}: parameter {error}") from None
         _refuse_incomplete(title, act, affordance)
         check_files(self.workspace, kind, affordance.name)
-        at = _places(kind, affordance, scene.pose(name))
-        hand = _hand(act, affordance, at, actor, name)
+        at = which_hand.places(kind, affordance, scene.pose(name))
+        hand = which_hand.choose(act, affordance, at, actor, name)
         goal = self._goal(act, scene, scene.pose(name))
         if "goal_position" in affordance.asks and name in actor.holds:
             goal = self._put(goal, act, scene, actor, name, hand)
@@ -149,8 +117,8 @@ class Database:
         for act in acts:
             order = self.order(act, scene, actor)
             first, record = order.affordance.first, scene.objects[order.object]
-            at = _places(self.workspace.objects.get(record.kind), order.affordance, scene.pose(order.object))
-            if first and not act.follows and _away(order.hand, at, actor) > _REACHED:
+            at = which_hand.places(self.workspace.objects.get(record.kind), order.affordance, scene.pose(order.object))
+            if first and not act.follows and which_hand.away(order.hand, at, actor) > _REACHED:
                 found.append(self.order(Act(order.object, first, after=act.after, hand=act.hand), scene, actor))
                 order = replace(order, act=replace(act, after=0, follows=True), after=0)
             found.append(order)
@@ -226,7 +194,7 @@ class Database:
             object_parameters = fill(mover.parameters, takes.parameters) if mover else {}
         except ValueError as error:
             raise CommandError(f"{title}: parameter {error}") from None
-        hand = actor.holds[thing] if affordance.hold == GIVE else act.hand or _free_hand(actor)
+        hand = actor.holds[thing] if affordance.hold == GIVE else act.hand or which_hand.free(actor)
         goal = messages.Goal(object=describe_human(self.workspace, scene, whom))
         return Order(
             act, thing, msgspec.structs.replace(affordance, site=takes.site), human, mover,
@@ -300,28 +268,6 @@ class Database:
         return msgspec.structs.replace(goal, place=place)
 
 
-def find_object(scene: Scene, name: str) -> str:
-    """The full name of an object that was named by it or by its last parts (`cup` for `room/cup`).
-
-    Raises:
-        CommandError: none of that name, or more than one.
-    """
-    objects = scene.objects
-    if name in objects:
-        return name
-    among = objects.called(name.rsplit("/", 1)[-1]) if isinstance(objects, Everything) else objects
-    meant = [full for full in among if full.endswith(f"/{name}")]
-    if len(meant) == 1:
-        return meant[0]
-    if meant:
-        raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
-    if all(_NUMBER.fullmatch(word) for word in name.split()):
-        raise CommandError(f'"{name}" is no place; a place is X Y or X Y Z, in metres')
-    near = nearest(name, scene.objects)
-    hint = f"did you mean {near}?" if near else f"there are: {some(scene.objects)}"
-    raise CommandError(f'no object "{name}" in the world; {hint}')
-
-
 def _refuse_unknown(
     title: str,
     typed: tuple[tuple[str, Value], ...],
@@ -347,46 +293,11 @@ def _refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:
         raise CommandError(f"{title}: asks for a posture; add `pose` and a motion clip")
 
 
-def _hand(act: Act, affordance: Affordance, at: Array, actor: Actor, name: str) -> str:
-    """The hand that is meant: as said, the one that holds the object, or the nearer free one where a hand is asked.
-
-    A free palm that is at the object (n, 3) already, because it has just been reached for, is nearer than any.
-    What is taken is taken in a hand, unless its action says that it needs none: a chair is sat on.
-    """
-    if act.hand or name in actor.holds:
-        return act.hand or actor.holds[name]
-    in_hand = affordance.hold == "take" and affordance.needs.get("free_hands", 1.0) > 0.0
-    if "hand" not in affordance.asks and not in_hand:
-        return ""
-    busy = set(actor.holds.values())
-    near = {side: _away(side, at, actor) for side in ("right", "left")}
-    if at_it := [side for side, distance in near.items() if distance < _AT_IT and side not in busy]:
-        return min(at_it, key=lambda side: near[side])
-    # The hips' z axis points back and y to the left.
-    left = rotate(actor.rotations[0], np.array([0.0, 1.0, 0.0]))
-    hand = "left" if float((at[0] - actor.root) @ left) > _ASIDE else "right"
-    other = "right" if hand == "left" else "left"
-    return other if hand in busy and other not in busy else hand
-
-
 def _frames(act: Act, affordance: Affordance, human: AlgorithmEntry) -> int:
     """How many frames: as many as was said, but no fewer than the motion takes; else the action's own number."""
     if not act.frames:
         return affordance.frames
     return max(act.frames, math.ceil(human.fewest * affordance.frames))
-
-
-def _places(kind: ObjectKind, affordance: Affordance, pose: Array) -> Array:
-    """Where an object in a pose (7,) is (1, 3), and where on it the action takes place (2, 3)."""
-    site = kind.sites.get(affordance.site or "")
-    on_it = [] if site is None else [pose[:3] + rotate(pose[3:7], np.array(site.position))]
-    return np.array([pose[:3], *on_it])
-
-
-def _away(hand: str, at: Array, actor: Actor) -> float:
-    """Metres from a palm to the nearest of places (n, 3)."""
-    palm = grips(actor.skeleton, actor.rotations, actor.root)[1 if hand == "left" else 0, :3]
-    return float(np.linalg.norm(at - palm, axis=-1).min())
 
 
 def _patience(title: str, act: Act, parameters: dict[str, Any]) -> float:
@@ -395,11 +306,6 @@ def _patience(title: str, act: Act, parameters: dict[str, Any]) -> float:
     if not isinstance(value, int | float) or not 0.0 <= value <= _MOST_PATIENCE:
         raise CommandError(f'{title}: patience "{value}" is no number of seconds; allowed: 0 to {_MOST_PATIENCE:g}')
     return float(value)
-
-
-def _free_hand(actor: Actor) -> str:
-    """A hand that holds nothing, the right one first; the right one where both do."""
-    return next((side for side in ("right", "left") if side not in actor.holds.values()), "right")
 
 
 def _side(hand: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ahmss.errors import CommandError
-from ahmss.main.database import Order
+from ahmss.main.order import Order
 
 __all__ = ["lasting", "refuse_two_carriers", "title"]
 

@@ -11,8 +11,9 @@ from ahmss.algorithm.process import AlgorithmProcess
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
+from ahmss.main.afforded import Actor
 from ahmss.main.blending import Contribution
-from ahmss.main.database import Actor, Order
+from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.surroundings import NOTHING, known, latest
 from ahmss.world.link import Pending

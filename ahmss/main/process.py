@@ -13,11 +13,12 @@ from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.process import Deadlines
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
+from ahmss.main.afforded import Actor
 from ahmss.main.agenda import Agenda
 from ahmss.main.blending import Blending
 from ahmss.main.communication import Communication
 from ahmss.main.control import Control
-from ahmss.main.database import Actor, Database
+from ahmss.main.database import Database
 from ahmss.main.expected import programs
 from ahmss.main.layout import Layout
 from ahmss.main.pace import Pace

@@ -9,7 +9,7 @@ from ahmss.bench.compute import rig
 from ahmss.bench.crowded import fill, lookup_us
 from ahmss.bench.goals import GOALS
 from ahmss.database.workspace import Workspace
-from ahmss.main.database import find_object
+from ahmss.main.naming import find_object
 
 
 def test_the_world_has_as_many_as_were_asked_for_and_each_is_found() -> None:

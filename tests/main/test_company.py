@@ -20,7 +20,7 @@ from ahmss.main.answering import Answering
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.company import MovingSites, numbers
-from ahmss.main.database import find_object
+from ahmss.main.naming import find_object
 from ahmss.main.process import MainProcess, Setup
 from ahmss.port import schema
 from ahmss.world.process import ServerProcess

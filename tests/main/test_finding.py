@@ -10,7 +10,7 @@ import pytest
 
 from ahmss.errors import CommandError
 from ahmss.main.company import Everything, Humans
-from ahmss.main.database import find_object
+from ahmss.main.naming import find_object
 from ahmss.world.schema import ObjectRecord, Scene, Ticked
 from ahmss.world.view import World
 

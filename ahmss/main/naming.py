@@ -1,0 +1,36 @@
+"""Which object is meant by a name."""
+
+from __future__ import annotations
+
+import re
+
+from ahmss.errors import CommandError
+from ahmss.main.company import Everything
+from ahmss.main.description import Scene
+from ahmss.main.suggesting import nearest, some
+
+__all__ = ["find_object"]
+
+_NUMBER = re.compile(r"[-+]?\d*\.?\d+")
+
+
+def find_object(scene: Scene, name: str) -> str:
+    """The full name of an object that was named by it or by its last parts (`cup` for `room/cup`).
+
+    Raises:
+        CommandError: none of that name, or more than one.
+    """
+    objects = scene.objects
+    if name in objects:
+        return name
+    among = objects.called(name.rsplit("/", 1)[-1]) if isinstance(objects, Everything) else objects
+    meant = [full for full in among if full.endswith(f"/{name}")]
+    if len(meant) == 1:
+        return meant[0]
+    if meant:
+        raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
+    if all(_NUMBER.fullmatch(word) for word in name.split()):
+        raise CommandError(f'"{name}" is no place; a place is X Y or X Y Z, in metres')
+    near = nearest(name, scene.objects)
+    hint = f"did you mean {near}?" if near else f"there are: {some(scene.objects)}"
+    raise CommandError(f'no object "{name}" in the world; {hint}')
