@@ -8,6 +8,7 @@ from functools import partial
 
 import msgspec
 import numpy as np
+import shapely
 
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.company import Watching, aside_of, settled
@@ -24,6 +25,7 @@ from ahmss.body.quaternion import align, rotate, slerp
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.planting import feet
+from ahmss.walking.obstacles import Obstacles
 from ahmss.walking.trip import Trip
 
 __all__ = ["FACING", "again", "come_to", "go_to"]
@@ -37,6 +39,8 @@ _GLANCE = 10  # frames in which one sees whether they walk
 _BESIDE = np.radians([40.0, 125.0])  # to the side, of who stands beside one
 _HALF_TURNED = np.radians(25.0)  # to each other, of two who stand side by side
 _TRIES = 3  # who comes to somebody who walks meanwhile comes after them
+_ROOM = 0.26  # metres from things on the floor to the middle of who stands before somebody
+_ABOUT = np.radians([0.0, *(side * aside for aside in range(10, 181, 10) for side in (1.0, -1.0))])
 _ARM = ("upper_arm", "lower_arm", "hand")
 
 
@@ -108,8 +112,26 @@ def _goal(
         heading = 2.0 * float(np.arctan2(whom.rotation[3], whom.rotation[0]))
         return whom.place[:2] + side * apart[1] * left, heading - side * _HALF_TURNED
     near = apart[0] <= float(np.hypot(*way)) <= apart[2]
-    place = here[:2] if near else whom.place[:2] - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
+    place = here[:2] if near else _before(task, whom.place[:2], way, apart)
     return place, float(np.arctan2(*(whom.place[:2] - place)[::-1]))
+
+
+def _before(task: HumanTask, whom: Array, way: Array, apart: tuple[float, float, float]) -> Array:
+    """The place (2,) from which one faces somebody (2,), on the way (2,) to them, or about them where that is taken.
+
+    Where all are, that on the way: who goes there says what is in it.
+    """
+    first = float(np.arctan2(-way[1], -way[0]))
+    aways, asides = (grid.ravel() for grid in np.meshgrid([apart[1], apart[0], apart[2]], first + _ABOUT))
+    places = whom + aways[:, None] * np.stack([np.cos(asides), np.sin(asides)], axis=-1)
+    shapes = Obstacles.of(ground_of(task).outlines, 0.0).shapes[:, None]
+    others = shapes[shapely.distance(shapes[:, 0], shapely.Point(whom)) > 0.0]  # who sits is within a chair
+    lines = shapely.linestrings(np.stack([np.broadcast_to(whom, places.shape), places], axis=1))
+    free = (shapely.distance(shapes, shapely.points(places)) >= _ROOM).all(axis=0)
+    free &= ~shapely.intersects(others, lines).any(axis=0)
+    if free.any():
+        return places[np.argmax(free)]
+    return whom - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
 
 
 def _look_first(
@@ -122,6 +144,7 @@ def _look_first(
     importance = np.zeros(44)
     importance[INDEX["head"]] = 1.0
     for k in range(1, round(_WAITS * task.rate)):
+        task.refuse_rest()
         if _is_there(task, whom, apart, beside=beside):
             return
         still = settled(track, _STANDS[0] if second else _GLANCE, _STANDS[1])

@@ -7,7 +7,6 @@ import numpy as np
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.sitting import heading_of, must_stand, stands
 from ahmss.algorithm.task import HumanTask
-from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.plan import Plan
@@ -36,12 +35,11 @@ def refuse_far(task: HumanTask, side: str, arm: Stretch, most: float = MOST_MISS
     raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; {come_nearer(task)}")
 
 
-def tell_missed(task: HumanTask, plan: Plan, palm: Array) -> None:
-    """Tell by how much the hand stops short of a palm (7,), as near as the arm comes to it."""
-    missed = float(np.linalg.norm(plan.palm[:3] - palm[:3]))
-    if missed > _TOLD:
+def tell_missed(task: HumanTask, plan: Plan) -> None:
+    """Tell by how much the hand stops short, as near as the arm comes; of the plan that is carried out in the end."""
+    if plan.short > _TOLD:
         goes = "as far as the elbow bends" if plan.arm.folded else "as far as the arm goes"
-        task.note(f"the {plan.reacher.side} hand stops {1000.0 * missed:.0f} mm short of it, {goes}")
+        task.note(f"the {plan.reacher.side} hand stops {1000.0 * plan.short:.0f} mm short of it, {goes}")
 
 
 def come_nearer(task: HumanTask) -> str:

@@ -17,6 +17,7 @@ from ahmss.algorithm.clearing import gap_of, refuse_touching
 from ahmss.algorithm.controls import beside, in_the_way, stood_before
 from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.keeping import kept_clear
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.part_ways import (
     Approach,
     Grip,
@@ -122,6 +123,7 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         raise AlgorithmError(short)
     if touching := _touching(task, best):
         raise touching
+    tell_missed(task, best.plan)
     yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ahmss.algorithm.box import boxes_of
 from ahmss.algorithm.haste import hurried, least
-from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far, tell_missed
+from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -124,8 +124,10 @@ def planned(
 ) -> Generator[Array, None, Plan]:
     """The plan of a reach, made a part in each of a few frames (1, 260) in which only the gaze moves.
 
+    How short it stops is not told: that does `tell_missed`, of the plan that is carried out in the end.
+
     Args:
-        task: whose notes are told of it. reaching: who. goal: where. gaze: on its way there.
+        task: whose. reaching: who. goal: where. gaze: on its way there.
         prisms: what may be in the way.
         off: (3,) metres by which the hand is first brought elsewhere, on its way to the goal.
         sides: the hands that may be used; left out: all that `sides_of` has.
@@ -145,7 +147,6 @@ def planned(
     yield from gaze.if_there_is_time()
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
     plan = yield from gaze.during(reaching.way(reacher, (posture, palm, arm), goal.place, prisms, looked))
-    tell_missed(task, plan, palm)
     yield from gaze.if_there_is_time()
     return plan
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.meeting import again
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.algorithm.task import HumanTask
@@ -61,6 +62,7 @@ def brought(task: HumanTask, side: str, suits: Suits) -> Generator[Array, None, 
     palms = palms[found or slice(None)]
     plan = yield from planned(task, reaching, Goal(place, palms={side: palms}), gaze, prisms, sides=(side,))
     made = yield from performed(task, reaching, plan, gaze, ([], np.zeros((0, 4))))
+    tell_missed(task, plan)
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
     now = task.present.grip(side).then(held)  # where its main has it may be told a frame later
     place, rotation = tuple(now.place.tolist()), tuple(now.rotation.tolist())

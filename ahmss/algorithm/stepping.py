@@ -243,6 +243,7 @@ def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool]
 
     Raises:
         AlgorithmError: they stay, or the motion has a number of frames, in which nobody can wait for them.
+        Rested: one was to come to rest, and stands.
     """
     targets = np.zeros((1, 5, 8))
     targets[0, RIGHT_FOOT : LEFT_FOOT + 1, :7] = feet(task.human, stance.rotations, stance.root)
@@ -251,6 +252,7 @@ def until_free(task: HumanTask, stance: Stance, hinders: Callable[[Array], bool]
     importance[_held(task)] = 0.0
     waited = 0
     while there := [other for other in walkers(task) if hinders(other.place)]:
+        task.refuse_rest()
         if task.length or waited >= _PATIENCE * task.rate:
             raise AlgorithmError(f"{there[0].name or 'somebody'} {told}")
         if not waited:

@@ -216,7 +216,11 @@ class _Reader:
         self.wanted.append("SECONDS")
         if self._is_number():
             return Wait(self._seconds(), human=human)
-        name, state = self._name("OBJECT"), self._name("STATE")
+        name = self._name("OBJECT")
+        if self.at_end:
+            self.wanted.append("STATE")
+            self._refuse(-1, f"a number (seconds), or an object with a state of it, as in `wait {name} STATE == VALUE`")
+        state = self._name("STATE")
         for operator in OPERATORS:
             if self._take(operator):
                 value = self._value()

@@ -454,8 +454,8 @@ class Control:
             return
         if 0 < motion.last <= process.last:
             motion.over = True
-        if motion.over and motion.mover is not None:  # whether it said so or not, what it closes is closed by now
-            motion.mover.closed = True
+        if motion.over and motion.mover is not None and motion.rests is None:
+            motion.mover.closed = True  # whether it said so or not, what it closes is closed by now
         if not came:
             if process.pending:
                 motion.held += 1
@@ -526,7 +526,8 @@ class Control:
             self._claims.leave_on_its_way(mover, motion.passes)
         if motion.order.affordance.hold == GIVE:  # it stays in the hand
             return
-        if motion.order.affordance.hold == "release" or not mover.caught:
+        lets_go = motion.order.affordance.hold == "release" and not (mover.order.hand and motion.can_rest)
+        if lets_go or not (mover.caught or mover.borne):
             self._claims.release(mover)
 
     def _lose(self, mover: Mover, reason: str) -> None:

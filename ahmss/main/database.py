@@ -104,6 +104,8 @@ class Database:
         at = which_hand.places(kind, affordance, scene.pose(name))
         hand = which_hand.choose(act, affordance, at, actor, name)
         goal = self._goal(act, scene, scene.pose(name))
+        if goal.object is not None and goal.object.kind == KIND and goal.object.name == actor.name:
+            raise CommandError(f"{title}: {actor.name} is oneself; name a place, or somebody else")
         if "goal_position" in affordance.asks and name in actor.holds:
             goal = self._put(goal, act, scene, actor, name, hand)
         return Order(

@@ -71,8 +71,8 @@ def show_table(title: str, rows: Rows) -> None:
             print("\t".join(str(value) for value in row.values()))
         return
     table = Table(title=title, title_justify="left")
-    for name in rows[0]:
-        table.add_column(name)
+    for i, name in enumerate(rows[0]):
+        table.add_column(name, no_wrap=i == 0)
     for row in rows:
         table.add_row(*(str(value) for value in row.values()))
     Console().print(table)

@@ -105,6 +105,11 @@ class Mover:
             return self.granted
         return self.takes and bool(np.abs(self.pose[:3] - self._start).max() > _MOVED)
 
+    @property
+    def borne(self) -> bool:
+        """Whether it is taken in no hand, and bears the body: a chair that is sat on."""
+        return self.takes and not self.order.hand and self.closed
+
     def show(self, frame: Shown) -> None:
         """A new frame of the human, to be shown when its algorithm has answered those before, for a part is led there.
 
@@ -204,7 +209,7 @@ class Motion:
     @property
     def can_rest(self) -> bool:
         """Whether it comes to rest where it is to be given up now."""
-        return self.order.human_algorithm.rests or self.comes
+        return (self.order.human_algorithm.rests or self.order.human_algorithm.arrives) and not self.arrived
 
     @property
     def accompanies(self) -> bool:

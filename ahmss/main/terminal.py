@@ -55,6 +55,8 @@ class PersonsTerminal:
     def show(self, listing: Listing) -> None:
         """A table of names and sentences."""
         table = Table(show_header=False, box=None, pad_edge=False)
+        table.add_column(no_wrap=True)
+        table.add_column()
         for name, sentence in listing.entries or (("none", ""),):
             table.add_row(f"  {name}", sentence)
         console = RichConsole(highlight=False, markup=False)

@@ -47,7 +47,8 @@ class Plan:
     reacher: the arm. standing: None where the hips stay. start, end: postures (43, 4), (3,), the arm as at the start.
     hands (2, 7): the palms at the start, as they are shown. palm (7,): where the one comes to. curve: its way.
     arm: how it then is. leant: radians that hips or spine turn. near: what is to be kept clear of. others: ways for
-    where the arm itself does not keep clear on this one, or would have to flip, the best first.
+    where the arm itself does not keep clear on this one, or would have to flip, the best first. short: metres that the
+    hand stops before where it was to come to.
     """
 
     reacher: Reacher
@@ -61,6 +62,7 @@ class Plan:
     leant: float
     near: Sequence[Prism]
     others: Sequence[Curve] = ()
+    short: float = 0.0
 
     @property
     def helped(self) -> bool:
@@ -161,8 +163,8 @@ class Reaching:
             reacher: the arm. found: what for. prisms: the things near by.
             gaze: (3,) what is looked at meanwhile. looked: how much of the way to it the gaze has turned before.
         """
-        end, palm, arm = found
-        palm = self._in_reach(reacher, end, palm, gaze)
+        end, wanted, arm = found
+        palm = self._in_reach(reacher, end, wanted, gaze)
         hands = self._hands(gaze, looked)
         start = hands[reacher.row]
         leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
@@ -174,7 +176,7 @@ class Reaching:
         seats = seat(self.skeleton, seen, trunk.root)
         yield
         curve, *others = yield from clear_curves(reacher, family, seats, self.present(reacher), near)
-        return replace(plan, curve=curve, others=others)
+        return replace(plan, curve=curve, others=others, short=float(np.linalg.norm(palm[:3] - wanted[:3])))
 
     def set_out(self, plan: Plan, gaze: Array, looked: float) -> Plan:
         """The plan of a hand that sets out when the gaze (3,) has turned so much of its way, the trunk with it."""

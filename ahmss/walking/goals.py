@@ -14,11 +14,12 @@ from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.walking.obstacles import Obstacles
 
-__all__ = ["FARTHEST", "REACH", "Goal", "beside", "check_distance", "facing_of"]
+__all__ = ["FARTHEST", "REACH", "Goal", "beside", "check_distance", "check_floor", "facing_of"]
 
 REACH = 0.42  # metres from a thing that has no place of its own to stand at
 # Metres that one walks at once: half an hour, planned in a tenth of a second; time and memory grow with it.
 FARTHEST = 2000.0
+_EDGE = 1e-6  # metres: who stands so near to a floor is on it
 _NEAR = 0.20  # metres that one comes to things to use them
 _DIRECTIONS = 24
 _ROOM = 0.34  # metres that other things should be away: half the shoulders' width, and an arm
@@ -53,6 +54,22 @@ def check_distance(goal: Array, human: Array) -> None:
         raise AlgorithmError(
             f"{x:g} {y:g} is {away / 1000.0:.4g} km away; name a place within {FARTHEST / 1000.0:g} km of the walker"
         )
+
+
+def check_floor(goal: Array, floors: Sequence[Array], name: str) -> None:
+    """Refuse a goal (2,) that is on none of these floors, outlines (n, 2), metres; without any it may be anywhere.
+
+    Raises:
+        AlgorithmError: says where the floor ends, `name` being the one that was meant.
+    """
+    if not floors:
+        return
+    ground, place = shapely.union_all([shapely.Polygon(ring) for ring in floors]), shapely.Point(goal)
+    if shapely.dwithin(ground, place, _EDGE):
+        return
+    nearest = shapely.get_coordinates(shapely.shortest_line(ground, place))[0]
+    said, ends = (" ".join(f"{x:.2f}" for x in each.tolist()) for each in (goal, nearest))
+    raise AlgorithmError(f"{said} is beyond {name}, which ends at {ends}; name a place on it")
 
 
 def facing_of(rotation: Array) -> float:

@@ -169,7 +169,7 @@ class Trip:
             window = min(_WINDOW, end - made - 1) if self.others() and not last else 0
             begins, step, made = made == going.seams[seam - 1], piece(going, made, end), end
             first = part(step, 0, len(step.root) - window)
-            if here is not None and begins and not stopping and self.others():
+            if here is not None and begins and not stopping:
                 first = replace(first, look=partial(self._looks, going, seam - 1, here, known))
             yield first
             if self._sudden is not None:
@@ -187,7 +187,9 @@ class Trip:
             if self.rests():
                 if window:
                     yield step
-                going, stopping, seam, made = halted(self.planner, going, seam, here, self._pace).going, True, 0, 0
+                way = halted(self.planner, going, seam, here, self._pace)
+                assert way is not None
+                going, stopping, seam, made = way.going, True, 0, 0
                 continue
             if meets(ahead(going, end), others):
                 way = self._way_out(going, seam, here, others, self._left(window))
@@ -203,17 +205,20 @@ class Trip:
         return going, not stopping
 
     def _looks(self, going: Journey, seam: int, here: AtSeam, known: float, made: int) -> bool:
-        """Look for who is suddenly in the way, in a step that is being made; whether it becomes another now.
+        """Look for who is suddenly in the way, in a step that is being made, and whether one is to stop; whether it
+        becomes another now.
 
         Args:
             going: the walk. seam: with which the step begins. here: the walker there.
             known: how near others were to come (metres), when it was decided on.
             made: frames of the step so far.
         """
-        others = self.others()
-        if least(ahead(going, going.seams[seam] + made, _SOON), others) < min(_SUDDEN, known - _NEWS):
+        way, others = None, self.others()
+        if self.rests():
+            way = halted(self.planner, going, seam, here, self._pace, made)
+        elif others and least(ahead(going, going.seams[seam] + made, _SOON), others) < min(_SUDDEN, known - _NEWS):
             way = self._way_out(going, seam, here, _later(others, -made), self._left(), made)
-            self._sudden = None if way is None else (way, made)
+        self._sudden = None if way is None else (way, made)
         return self._sudden is not None
 
     def _way_out(

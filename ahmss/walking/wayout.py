@@ -29,6 +29,7 @@ _STOPS: tuple[tuple[Stride, float], ...] = (("small", 0.55), ("small", 0.8), ("s
 _TRIED = 8  # ways out that are looked at closely
 _THINGS = 0.17  # metres from things that who makes way may come
 _LOWEST, _FASTEST, _HARDEST = 0.9, 2.0, 30.0  # hips' height of that in standing, m/s, m/s2: within that one makes way
+_AT_EASE = 15.0  # m/s2: the same of who stops in a step, and could at its end
 _JERKIEST = np.radians(6.0)  # by which a joint's turn from frame to frame may change from one frame to the next
 
 
@@ -103,11 +104,15 @@ def way_out(
     return best
 
 
-def halted(planner: Planner, going: Journey, seam: int, here: AtSeam, pace: Pace) -> WayOut:
-    """The walk that stops as soon as a person would after a seam; arguments as of `way_out`."""
-    on = _Onward(planner, going, seam, here, pace, 0)
+def halted(planner: Planner, going: Journey, seam: int, here: AtSeam, pace: Pace, since: int = 0) -> WayOut | None:
+    """The walk that stops as soon as a person would after a seam; arguments as of `way_out`.
+
+    None where nobody would stop so soon; but at a seam, where one stops somehow.
+    """
+    on = _Onward(planner, going, seam, here, pace, since)
     ways = [on.made(Option(cut(on.course, 0.0, length), 1.0, True, 0.0)) for length in on.stops]
-    return next((way for way in ways if _natural(way.going, planner.standing.height)), ways[-1])
+    somehow, hardest = (None, _AT_EASE) if since else (ways[-1], _HARDEST)
+    return next((way for way in ways if _natural(way.going, planner.standing.height, hardest)), somehow)
 
 
 class _Onward:
@@ -152,7 +157,7 @@ class _Onward:
         )  # fmt: skip
 
 
-def _natural(going: Journey, height: float) -> bool:
+def _natural(going: Journey, height: float, hardest: float = _HARDEST) -> bool:
     """Whether the next steps of a walk are such as a person makes whose hips are so high in standing, metres."""
     made = going.shaping.part(0, min(going.shaping.frames, 2 * going.seams[1]))
     moved = np.diff(made.root, axis=0) * RATE
@@ -160,7 +165,7 @@ def _natural(going: Journey, height: float) -> bool:
     return bool(
         made.root[:, 2].min() > _LOWEST * height
         and np.linalg.norm(moved, axis=-1).max() < _FASTEST
-        and np.linalg.norm(np.diff(moved, axis=0), axis=-1).max() * RATE < _HARDEST
+        and np.linalg.norm(np.diff(moved, axis=0), axis=-1).max() * RATE < hardest
         and np.linalg.norm(np.diff(turned, axis=0), axis=-1).max() < _JERKIEST
     )
 

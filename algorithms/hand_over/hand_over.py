@@ -16,6 +16,7 @@ from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.company import Watching, settled
 from ahmss.algorithm.meeting import again, come_to, go_to
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
@@ -49,6 +50,7 @@ def hand_over(task: HumanTask) -> Iterator[Array | HumanPose]:
     if whom is None or task.object is None:
         raise AlgorithmError("hand over what, and to whom?")
     yield from come_to(task, whom, APART, courteous=False)
+    task.arrived()
     begun = again(task)
     watching = Watching.of(begun)
     assert watching is not None
@@ -57,6 +59,7 @@ def hand_over(task: HumanTask) -> Iterator[Array | HumanPose]:
     goal = _held_out(begun, whom, side)
     plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
     made = yield from performed(begun, reaching, plan, gaze, ([], np.zeros((0, 4))))
+    tell_missed(task, plan)
     rows = at_ease(begun, begun.block(made.rotations, made.root, made.importance, made.targets))
     yield rows
     last = rows[-1:]

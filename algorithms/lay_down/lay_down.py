@@ -18,6 +18,7 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.nearer import gone_nearer
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.own_arm import in_own_arm
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
@@ -75,6 +76,8 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
                 raise AlgorithmError(f"{why}, even from where one stands nearest to it; say a place that is easier")
     if isinstance(laid, AlgorithmError):
         raise laid
+    task.arrived()
+    tell_missed(task, laid.plan)
     yield at_ease(task, laid.rows)
 
 
@@ -88,11 +91,12 @@ def _lacks(task: HumanTask, arm: Stretch, most: float = STRETCHED) -> str:
 
 @dataclass(frozen=True)
 class Laid:
-    """POSE rows (n, 260) of it; poor: whether the arm is in things, beyond its limits or stretched out; bad: why one
-    had better leave it, as a clause, or "".
+    """POSE rows (n, 260) of it, and its plan; poor: whether the arm is in things, beyond its limits or stretched out;
+    bad: why one had better leave it, as a clause, or "".
     """
 
     rows: Array
+    plan: Plan
     poor: bool
     bad: str
 
@@ -143,7 +147,8 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     lacks, depth = _lacks(task, plan.arm), _depth(task, made)
     deep = f"the {task.hand} arm would be {1000.0 * depth:.0f} mm in something" if depth > DEEP else ""
     poor = bool(lacks or deep) or made.flaw > TOUCHES
-    return Laid(task.block(made.rotations, made.root, made.importance, made.targets), poor, lacks or deep)
+    rows = task.block(made.rotations, made.root, made.importance, made.targets)
+    return Laid(rows, made.plan, poor, lacks or deep)
 
 
 def _past_own_arm(

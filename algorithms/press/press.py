@@ -19,6 +19,7 @@ from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, sto
 from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.haste import least
 from ahmss.algorithm.keeping import kept_clear
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.pinching import gone_back, rows_made
 from ahmss.algorithm.reaching import performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
@@ -69,6 +70,7 @@ def _press(task: HumanTask) -> Iterator[Array]:
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform, touches)
     if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
         made = yield from perform(plan)  # the eyes have gone on
+    tell_missed(task, plan)
     rows = rows_made(task, made)
     if task.parameter("returns", False):
         length = len(made.root) - len(_pushed(task, plan.palm, out))

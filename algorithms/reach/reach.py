@@ -16,6 +16,7 @@ from ahmss.algorithm.before_grip import Before, goal_before, grips_before, refus
 from ahmss.algorithm.carried import reach_while_carried
 from ahmss.algorithm.grasping import read_shape
 from ahmss.algorithm.in_target import in_target
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
@@ -53,6 +54,7 @@ def _standing(task: HumanTask) -> Iterator[Array]:
         before = yield from gaze.during(grips_before(task, sides_of(task)))
         if before:
             made = yield from _before_grip(task, goal, before, gaze, reaching, prisms)
+            tell_missed(task, made.plan)
             yield task.block(made.rotations, made.root, made.importance, made.targets)
             return
     plan = yield from planned(task, reaching, goal, gaze, prisms)
@@ -72,6 +74,7 @@ def _standing(task: HumanTask) -> Iterator[Array]:
             made = yield from performed(task, reaching, made.plan, gaze, _shape(task, made.plan.reacher.side))
     if task.goal_place is None and task.site is not None and (deep > _DEEP or not _is_near(goal, made)):
         raise AlgorithmError(_too_far_off(task, made))
+    tell_missed(task, made.plan)
     _tell_turned(task, goal, made)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
 

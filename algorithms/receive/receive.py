@@ -21,6 +21,7 @@ from ahmss.algorithm.margins import Margin, margins
 from ahmss.algorithm.meanwhile import waited
 from ahmss.algorithm.meeting import FACING, again, come_to
 from ahmss.algorithm.messages import Goal as MessageGoal
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of
 from ahmss.body.array import Array
@@ -60,6 +61,7 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     first = None
     for _ in range(TRIES):
         yield from _until_held_out(task, whom)
+        task.arrived()
         begun = again(task)
         first = first or begun
         goal = _goal(begun, whom, side)
@@ -71,6 +73,7 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         else:
             plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
         made = yield from performed(begun, reaching, plan, gaze, _opened(side))
+        tell_missed(task, plan)
         rows = at_ease(begun, begun.block(made.rotations, made.root, made.importance, made.targets))
         yield rows
         if float(np.linalg.norm(task.object.place - begun.object.place)) < MOVED:
@@ -130,6 +133,7 @@ def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | Huma
     had = whom.frame.inverse().apply(task.object.place)
     still = 0
     for k in range(1, round(task.parameter("patience", 30.0) * task.rate) + 1):
+        task.refuse_rest()
         targets = np.zeros((5, 8))
         targets[GAZE] = watching.gaze(0.0, 0.0, k)
         yield task.pose({}, None, importance, targets)

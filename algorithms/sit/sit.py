@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.castors import rolled_to
 from ahmss.algorithm.controls import begun_at
 from ahmss.algorithm.haste import hurried
@@ -20,6 +20,7 @@ from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.seat_room import in_its_room
 from ahmss.algorithm.sitting import Seated, heading_of, must_stand, seat_of
 from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
+from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.kinematics import forward
@@ -48,6 +49,7 @@ RECLINES = np.radians(4.0)  # of the trunk on the seat
 GOES, BORNE, LEANT, RISES = 0.08, 0.74, 0.54, 0.62
 BACK_FIRST = 1.35  # exponent: above 1 the hips go down before they go back
 ON_THIGH, OVER_THIGH, INWARD = 0.62, 0.062, np.radians(12.0)  # of the thigh; metres; of the resting hands
+TURNS = 12  # frames to a standstill of who sits down, before they rise again
 HANDS = 0.35, 0.95  # shares of the time in which free hands go to the thighs
 THERE = 0.45  # share of the time of standing up in which hands that were elsewhere come along
 GOES_ALONG = 0.4  # of the way that a shoulder leans ahead, a hand that holds something
@@ -76,7 +78,7 @@ class Move:
         return np.array([np.cos(self.heading), np.sin(self.heading), 0.0])
 
 
-def sit(task: HumanTask) -> Iterator[Array]:
+def sit(task: HumanTask) -> Iterator[Array | HumanPose]:
     """Frames (n, 260): down onto the seat, or up from it."""
     if task.site is None or task.object is None:
         raise AlgorithmError("sit needs a site: the seat, its x where a sitter looks")
@@ -94,7 +96,7 @@ def sit(task: HumanTask) -> Iterator[Array]:
     yield from _free(task, Stance(task.start.rotations, task.start.root))
     stance = yield from stepped(task, goal, ground_of(task), near=NEAR, most=MOST, to=task.object.name)
     yield from _free(task, stance)
-    yield _down(task, stance)
+    yield from _down(task, stance)
 
 
 def _free(task: HumanTask, stance: Stance) -> Iterator[Array]:
@@ -104,10 +106,28 @@ def _free(task: HumanTask, stance: Stance) -> Iterator[Array]:
     return until_free(task, stance, lambda place: float(np.linalg.norm(place - seat)) < TAKEN, told)
 
 
-def _down(task: HumanTask, stance: Stance) -> Array:
+def _down(task: HumanTask, stance: Stance) -> Iterator[Array | HumanPose]:
+    """Down onto the seat; who is to come to rest before it bears them rises again."""
     frames = hurried(task, round(DOWN * task.rate))
     move = Move(stance, _seated(task, stance), *_seat(task))
-    return _rows(task, move, stance, np.arange(1, frames + 1) / frames)
+    time = np.arange(1, frames + 1) / frames
+    rows, borne = _rows(task, move, stance, time), int(np.searchsorted(time, BORNE)) + 1
+    for k in range(borne - 1):
+        if task.rests:
+            yield _rows(task, move, stance, _back(k / frames, 1.0 / frames))
+        task.refuse_rest()
+        yield rows[k : k + 1]
+    yield from closed_at_last(rows[borne - 1 : borne])
+    yield rows[borne:]
+
+
+def _back(time: float, pace: float) -> Array:
+    """Shares of the time (n) from one at which one goes on at a pace a frame, to where one turns round, and to 0."""
+    turns = np.arange(TURNS, -TURNS, -1) / TURNS  # of the pace, from onward to back
+    shares = time + pace * np.cumsum(turns)
+    left = int(np.ceil(max(float(shares[-1]), 0.0) / pace))
+    shares = np.concatenate([shares, shares[-1] - pace * np.arange(1, left + 1)])
+    return np.append(shares[shares > 0.0], 0.0)
 
 
 def _up(task: HumanTask) -> Iterator[Array]:

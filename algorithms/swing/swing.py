@@ -74,12 +74,15 @@ def swing(task: HumanTask) -> Iterator[Array]:
     made = made or Thinking(hand.swings(stance))
     looked = 0
     while made.part():
+        task.refuse_rest()
         made.part()  # two a frame: one stands and looks at the lever meanwhile
         looked += 1
         yield _watching(_standing(task, stance, 1), hand.gaze.place, hand.gaze.turned(np.array([looked])))
     rows = made.found
     rows[:, WATCHES] *= hand.gaze.turned(looked + np.arange(1.0, len(rows) + 1.0))
-    yield rows
+    for part in np.split(rows, hand.stands):
+        task.refuse_rest()
+        yield part
 
 
 def _thinking_ahead(
@@ -110,7 +113,8 @@ class Taking:
     """A hand that takes a door's lever, from the frame in which it sets out until it hangs again.
 
     What it does is told as rows (n, 260) of the body without it, palms (n, 7), fingers (n, 14, 4), and by which share
-    (n) the waist helps. grip: how it is on the lever, to be thought of first.
+    (n) the waist helps. grip: how it is on the lever, to be thought of first. stands: the frames of `swings` before
+    which one stands on both feet.
     """
 
     def __init__(self, task: HumanTask, door: Door) -> None:
@@ -118,6 +122,7 @@ class Taking:
         self.links = list(fingers(door.hand))
         self.grip = Thinking(grip(task, door))
         self.at_ease = task.start.rotations[self.links]
+        self.stands: list[int] = []
         self.gaze = Looking(task, door.leaf(door.angle).apply(door.lever))
 
     def swings(self, stance: Stance) -> Steps[Array]:
@@ -126,7 +131,7 @@ class Taking:
         while self.grip.part():
             yield
         comes = yield from self._comes(stance)
-        goes, then = yield from self._goes(stance)
+        goes, then, ends = yield from self._goes(stance)
         leaves = yield from self._leaves(then)
         rows, palms, shape, bends = (np.concatenate(column) for column in zip(comes, goes, leaves, strict=True))
         _loosened(task, door.hand, rows, len(comes[0]))
@@ -139,7 +144,11 @@ class Taking:
         looks_up = minimum_jerk((steps - len(comes[0])) / (LOOKS_UP * task.rate))
         rows = _watching(rows, self.gaze.place, 1.0 - looks_up)
         yield
+        at = np.arange(float(len(rows)))
+        bears = stands | np.isin(at, len(comes[0]) + np.array(ends))
+        rows[:, 0] = at  # by which it is known where one stands when the hand has been slowed down
         made = paced(rows, [*range(43)[self.reacher.links], *self.links], stands)
+        self.stands = [int(k) for k in np.flatnonzero(bears[np.rint(made[:, 0]).astype(int)]) if k > 0]
         made[:, 260:] = ways_of(made[:, 1:3], 0, len(made), task.rate).reshape(len(made), -1)
         return made
 
@@ -171,24 +180,26 @@ class Taking:
         )
         return _standing(self.task, stance, n), palms, shape, way
 
-    def _goes(self, stance: Stance) -> Steps[tuple[Part, Stance]]:
-        """The steps along with the leaf, and how one then stands, the arm hanging."""
+    def _goes(self, stance: Stance) -> Steps[tuple[Part, Stance, list[int]]]:
+        """The steps along with the leaf; how one then stands, the arm hanging; and before which frames one stands."""
         task, door = self.task, self.door
         assert task.library is not None
         places = self._places()
         made: list[Array] = []
+        ends: list[int] = []
         for place in places[1:]:
             trip = Trip(task.human, task.library, Ground(), place.place, place.facing)
             for piece in trip.pieces(stance.rotations, stance.root):
                 made.append(rows_of(task, piece))
                 yield
             stance = Stance(made[-1][-1, 4:176].reshape(43, 4), made[-1][-1, 1:4])
+            ends.append(sum(map(len, made)))
         rows = np.concatenate(made)
         begin, end = places[0], places[-1]
         n = len(rows)
         share = self._shares(rows, begin.place, end.place)
         palms = door.palms(self.palm, door.angle + share * (door.wanted - door.angle), np.zeros(n))
-        return (rows, palms, self._fist(share), np.ones(n)), stance
+        return (rows, palms, self._fist(share), np.ones(n)), stance, ends
 
     def _fist(self, share: Array) -> Array:
         """The fingers (n, 14, 4) about the lever when the leaf has gone such shares (n) of its way.

@@ -84,6 +84,7 @@ def take_up(task: HumanTask) -> Iterator[Array | HumanPose]:
     then, closed = _closing(task, grip, into)
     wide = opener(Hand.of(task.human, side), holding)
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
+    tell_missed(task, plan)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
     yield from closed_at_last(at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets)))
@@ -170,7 +171,7 @@ def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> It
         refuse_far(task, side, found[2])
         yield
         plan = yield from reaching.way(reacher, found, place, prisms, 0.0)
-        tell_missed(task, plan, found[1])
+        tell_missed(task, plan)
         length = round(plan.seconds * task.rate)
         time, looked = np.arange(1, length + 1) / length, minimum_jerk(np.arange(1, length + 1) / (0.3 * task.rate))
         brought = yield from perform(plan, time, place, looked)

@@ -35,6 +35,7 @@ def talk(task: HumanTask) -> Iterator[Array | HumanPose]:
         raise AlgorithmError("talk to whom? name another human")
     beside = task.parameter("beside", False)
     yield from come_to(task, whom, BESIDE if beside else FACE_TO_FACE, beside=beside)
+    task.arrived()
     watching = Watching(task, whom)
     n = round(task.parameter("seconds", 6.0) * task.rate)
     yaw, pitch = _glances(task, n), _nods(task, n)

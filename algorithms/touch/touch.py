@@ -19,6 +19,7 @@ from ahmss.algorithm.controls import in_the_way, stood_before
 from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.haste import least
 from ahmss.algorithm.keeping import kept_clear
+from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.reaching import Looking, performed, prisms_of, sides_of
 from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array
@@ -73,6 +74,7 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms_of(task), off, perform, touches)
     if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
         made = yield from perform(plan)  # the eyes have gone on
+    tell_missed(task, plan)
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 

@@ -282,7 +282,7 @@ def _planned(
         looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
         reacher = Reacher.of(task.human, side)
         plans[side] = yield from gaze.during(reaching.way(reacher, one, gaze.place, prisms, looked))
-        tell_missed(task, plans[side], one[1])
+        tell_missed(task, plans[side])
     first = gaze.frames + gaze.left(FIRST)
     looked = float(gaze.turned(np.array([first]))[0])
     return {side: reaching.set_out(plan, gaze.place, looked) for side, plan in plans.items()}

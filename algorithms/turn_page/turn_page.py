@@ -165,7 +165,7 @@ def _planned(
     plan = yield from gaze.during(reaching.way(reacher, (start, palm, arm), gaze.place, [], looked))
     if float(np.linalg.norm(plan.palm[:3] - palm[:3])) > most:
         raise AlgorithmError("the hand stops short of it")
-    tell_missed(task, plan, palm)
+    tell_missed(task, plan)
     return plan, along
 
 

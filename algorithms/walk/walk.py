@@ -13,13 +13,14 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.keeping import kept_clear
+from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.stepping import ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 from ahmss.motion.way import staying
-from ahmss.walking.goals import REACH, Goal, beside, check_distance, facing_of
+from ahmss.walking.goals import REACH, Goal, beside, check_distance, check_floor, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library
 from ahmss.walking.trip import Ground, Piece, Trip
@@ -38,6 +39,8 @@ def _walk(task: HumanTask) -> Iterator[Array]:
     ground = ground_of(task)
     goal = _goal(task, ground)
     check_distance(goal.place, task.start.root[:2])
+    if task.goal_place is not None and task.object is not None:
+        check_floor(goal.place, _floors(task, task.object), task.object.name)
     if _stands_there(task, library, goal):
         task.note("one stands there already, so no step is taken")
         yield _stays(task)
@@ -50,6 +53,17 @@ def _walk(task: HumanTask) -> Iterator[Array]:
     for piece in trip.pieces(task.start.rotations, task.start.root):
         shown = yield from in_time(piece, tucking.over(rows_of(task, piece)))
         tucking.keep(shown)
+
+
+def _floors(task: HumanTask, thing: WorldObject) -> list[Array]:
+    """The outlines (4, 2) of what is walked on, and of all of its kind: none where it is no floor, but has a height."""
+    found: list[Array] = []
+    for floor in {other.id: other for other in (thing, *task.world.values()) if other.kind == thing.kind}.values():
+        size = floor.properties.get("size")
+        if isinstance(size, (list, tuple)) and len(size) == 3 and float(size[2]) == 0.0:
+            corners = 0.5 * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * np.array(size, float)
+            found.append(floor.frame.apply(corners)[:, :2])
+    return found
 
 
 def _goal(task: HumanTask, ground: Ground) -> Goal:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from typing import Any
 
 import msgspec
@@ -153,6 +155,27 @@ def test_a_palm_that_ends_elsewhere_is_told_with_how_far(goal: Goal, told: str) 
     else:
         assert not notes
         assert off < 1.0
+
+
+def test_how_short_the_hand_stops_is_told_of_the_try_alone_that_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every way counts as badly off, so that others are tried, each of which stops short by its own."""
+    run, notes = program("reach"), list[str]()
+    tries, own = iter((0.004, 0.006, 0.008, 0.011)), run.__globals__["planned"]
+
+    def planned(*given: Any, **named: Any) -> Any:
+        plan = yield from own(*given, **named)
+        return replace(plan, short=next(tries))
+
+    def noted(task: HumanTask) -> Any:
+        yield from run(task)
+        notes.extend(task.notes)
+
+    for name, value in (("FLAW", -1.0), ("TOUCHES", -1.0), ("planned", planned)):
+        monkeypatch.setitem(run.__globals__, name, value)
+    list(frames(noted, Body(facing=0.0).start(FLOOR, "stand", **FREE, goal=Goal(place=(0.45, -0.1, 1.1)))))
+    assert next(tries) > 0.006  # more than one was tried
+    (note,) = notes
+    assert re.search(r"hand stops [468] mm short of it", note)
 
 
 def test_knees_bend_for_what_is_low() -> None:

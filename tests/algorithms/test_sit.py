@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import msgspec
@@ -47,9 +48,11 @@ def at(name: str, frame: Transform, place: Array = STAND, turned: float = 0.0) -
     return Body(name, x, y, float(heading + turned))
 
 
-def does(body: Body, action: str, frame: Transform, **given: Any) -> list[HumanPose]:
+def does(
+    body: Body, action: str, frame: Transform, told: Callable[[HumanTask], Iterator[Any]] | None = None, **given: Any
+) -> list[HumanPose]:
     start = body.start(CHAIR, action, frame=frame, hand="", **given)
-    return body.do("sit", msgspec.structs.replace(start, object=outlined(start.object, 3)))  # type: ignore[arg-type]
+    return body.do(told or "sit", msgspec.structs.replace(start, object=outlined(start.object, 3)))  # type: ignore[arg-type]
 
 
 def holding(body: Body, lower: float = 0.0) -> None:

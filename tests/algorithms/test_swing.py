@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, frames, stepping
-from ahmss.algorithm.messages import ObjectRecord
+from ahmss.algorithm.messages import ObjectRecord, Start
 from ahmss.bench.solids import Solids
 from ahmss.body.arm import Arm, excess
 from ahmss.body.array import Array
@@ -74,11 +74,7 @@ def _swung(
     name: str, action: str, at: tuple[float, ...], facing: float, seed: int, busy: tuple[str, ...], angle: float
 ) -> Swung:
     closed, angle = closed_door(seed), angle if angle >= 0.0 else (0.0 if action == "open" else WIDE)
-    x, y, _ = closed.apply(np.array(at)).tolist()
-    heading = 2.0 * np.arctan2(closed.rotation[3], closed.rotation[0])
-    body = Body(name, x, y, float(np.degrees(heading) + facing))
-    leaf = Transform(closed.place, multiply(closed.rotation, from_axis_angle(UP, angle)))
-    given: dict[str, Any] = {"frame": leaf, "states": {"angle": angle}, "hand": "", "busy": list(busy)}
+    body, given = _before(name, closed, at, facing, angle, busy)
     start = body.start(DOOR, action, **given)
     before = start.pose
     shown = body.do("swing", msgspec.structs.replace(start, object=outlined(start.object, 3)))  # type: ignore[arg-type]
@@ -88,6 +84,24 @@ def _swung(
     ahead = np.array([rotate(pose.rotation, np.array([1.0, 0.0, 0.0])) for pose in poses])
     own = closed.inverse().apply(closed.place + ahead)
     return Swung(name, body, closed, shown, np.arctan2(own[:, 1], own[:, 0]))
+
+
+def _before(
+    name: str, closed: Transform, at: tuple[float, ...], facing: float, angle: float, busy: tuple[str, ...]
+) -> tuple[Body, dict[str, Any]]:
+    """Who stands at a place of the closed door's frame and faces so many degrees of it; what START is to say."""
+    x, y, _ = closed.apply(np.array(at)).tolist()
+    heading = 2.0 * np.arctan2(closed.rotation[3], closed.rotation[0])
+    body = Body(name, x, y, float(np.degrees(heading) + facing))
+    leaf = Transform(closed.place, multiply(closed.rotation, from_axis_angle(UP, angle)))
+    return body, {"frame": leaf, "states": {"angle": angle}, "hand": "", "busy": list(busy)}
+
+
+def at_the_door(name: str, action: str, at: Array, facing: float) -> tuple[Body, Start]:
+    """Who stands at a place of the closed door's frame, and the START of what they do there."""
+    body, given = _before(name, closed_door(0), tuple(at.tolist()), facing, 0.0, ())
+    start = body.start(DOOR, action, **given)
+    return body, msgspec.structs.replace(start, object=outlined(start.object, 3))  # type: ignore[arg-type]
 
 
 CASES = [("open", BEFORE, 90.0), ("open", BEHIND, -90.0), ("close", BEFORE, 90.0), ("close", BEHIND, -120.0)]

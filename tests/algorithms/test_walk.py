@@ -313,3 +313,18 @@ def test_a_real_process_answers_as_the_function_does() -> None:
         np.testing.assert_allclose(got.root, pose.root, atol=1e-9)
         np.testing.assert_allclose(got.rotations, pose.rotations, atol=1e-9)
         np.testing.assert_allclose(got.targets, pose.targets, atol=1e-9)
+
+
+def test_a_place_beyond_the_floor_is_refused_with_where_it_ends() -> None:
+    start = Body("ken", *FROM).start(FLOOR, "walk", goal=Goal(place=(100.0, 100.0, 0.0)))
+    with pytest.raises(AlgorithmError, match=r"^100.00 100.00 is beyond room/floor, which ends at 3.70 3.60; name"):
+        next(iter(frames(program("walk"), start)))
+
+
+def test_where_another_floor_goes_on_one_walks_onto_it() -> None:
+    floor = msgspec.structs.replace(record(FLOOR), id=77, name="floor_2", place=(6.7, 0.6, 0.0))
+    start = Body("ken", *FROM).start(FLOOR, "walk", goal=Goal(place=(9.6, 0.6, 0.0)), world=[floor])
+    beyond = msgspec.structs.replace(start, goal=Goal(place=(9.8, 0.6, 0.0)))
+    assert next(iter(frames(program("walk"), start))).root[2] > 0.8
+    with pytest.raises(AlgorithmError, match=r"9.80 0.60 is beyond room/floor, which ends at 9.70 0.60"):
+        next(iter(frames(program("walk"), beyond)))

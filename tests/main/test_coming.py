@@ -36,13 +36,50 @@ def visit(task: HumanTask):
 
 run(visit)
 '''
-CARRIED = '[affordances.fetch]\nhuman_algorithm = "visit"\nobject_algorithm = "carry"\nframes = 0\n'
+SETTLE = '''
+from ahmss.algorithm import HumanTask, run
+
+def settle(task: HumanTask):
+    """Half way the seat bears one: until then one rises where one is to rest, and then one sits."""
+    for k in range(60):
+        if k < 30:
+            task.refuse_rest()
+        yield task.pose({}, task.present.root.copy(), states={"held": "here"} if k == 30 else {})
+
+run(settle)
+'''
+CARRIED = """
+[affordances.fetch]
+human_algorithm = "visit"
+object_algorithm = "carry"
+frames = 0
+
+[affordances.push]
+human_algorithm = "pass_by"
+object_algorithm = "carry"
+frames = 0
+
+[affordances.put_there]
+human_algorithm = "pass_by"
+object_algorithm = "carry"
+hold = "release"
+frames = 0
+
+[affordances.sit]
+human_algorithm = "settle"
+object_algorithm = "carry"
+hold = "take"
+needs = { free_hands = 0 }
+frames = 0
+"""
 
 
 @pytest.fixture
 def two(server: Start, join: Join, workspace: Path) -> Two:
     """A box, and two that are a metre away."""
     write_algorithm(workspace, "visit", "human", "arrives = true\ncarries = true\n", VISIT)
+    write_algorithm(workspace, "pass_by", "human", "rests = true\ncarries = true\n", VISIT.replace("visit", "pass_by"))
+    write_algorithm(workspace, "settle", "human", "rests = true\n", SETTLE)
     file = workspace / "objectdb" / "box" / "object.toml"
     file.write_text(f"{file.read_text()}\n{CARRIED}")
     here = server()
@@ -144,3 +181,45 @@ def test_who_is_stopped_once_there_stops_at_once(two: Two) -> None:
     aiko.frame()
     assert not aiko.control.busy
     go_on(two, lambda: holder(aiko) == "")
+
+
+def test_who_claims_it_before_they_go_rests_on_the_way_as_well_and_once_there_stops_at_once(two: Two) -> None:
+    _, aiko = two
+    add(aiko, "do b push")
+    go_on(two, lambda: walked(aiko) > 0.3)
+    assert holder(aiko) == "aiko"
+    aiko.stop_motion()
+    before = walked(aiko)
+    go_on(two, lambda: aiko.agenda.done)
+    assert 0.09 < walked(aiko) - before < 0.15
+    go_on(two, lambda: holder(aiko) == "")
+    add(aiko, "do b push")
+    go_on(two, lambda: walked(aiko) >= 0.999 and bool(aiko.report.notes))
+    aiko.stop_motion()
+    aiko.frame()
+    assert not aiko.control.busy
+
+
+def test_who_is_stopped_on_the_way_to_where_they_put_it_down_has_it_in_the_hand_as_before(two: Two) -> None:
+    _, aiko = two
+    add(aiko, "do b take frames 10", "do b put_there")
+    go_on(two, lambda: walked(aiko) > 0.3)
+    aiko.stop_motion()
+    go_on(two, lambda: aiko.agenda.done)
+    for _ in range(20):
+        aiko.frame()
+    assert holder(aiko) == "aiko"
+    assert aiko.control.holds == {"b": "right"}
+
+
+@pytest.mark.parametrize(("at", "sits"), [(10, False), (40, True)])
+def test_what_bears_who_is_stopped_as_they_sit_down_is_theirs_and_else_it_is_free(
+    two: Two, at: int, sits: bool
+) -> None:
+    _, aiko = two
+    add(aiko, "do b sit")
+    go_on(two, lambda: bool(aiko.control.progress) and aiko.control.progress[0][1] >= at)
+    aiko.stop_motion()
+    go_on(two, lambda: aiko.agenda.done)
+    go_on(two, lambda: holder(aiko) == ("aiko" if sits else ""))
+    assert ("b" in aiko.control.holds) == sits

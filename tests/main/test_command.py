@@ -66,6 +66,11 @@ def test_each_production_is_read(text: str, line: Line | None) -> None:
         ("do cup put to 1 2 at 3 4", 'column 19: "at" can\'t stand here; expected: only one goal for each action'),
         ("add cup at 1", "column 13: the line ends here; expected: a number (y in metres)"),
         ("add cup at 1 nan", 'column 14: "nan" can\'t stand here; expected: a number (y in metres)'),
+        (
+            "wait banana",
+            'column 6: "banana" can\'t stand here; expected: a number (seconds), or an object with a state of it, '
+            "as in `wait banana STATE == VALUE`",
+        ),
         ("wait -1", 'column 6: "-1" can\'t stand here; expected: seconds that are not negative'),
         (
             "wait lamp power on",

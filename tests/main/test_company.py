@@ -82,6 +82,17 @@ def test_an_algorithm_is_told_what_each_hand_holds(pair: tuple[MainProcess, Main
     assert start.busy == ["left"]
 
 
+def test_nobody_goes_to_themselves(pair: tuple[MainProcess, MainProcess]) -> None:
+    ken, _ = pair
+    ken.play(steps("add floor"))
+    database, scene = ken.database, ken.communication
+    with pytest.raises(CommandError, match="floor walk: ken is oneself; name a place, or somebody else"):
+        database.order(Act("floor", "walk", goal_object="ken"), scene, ken.actor)
+    goal = database.order(Act("floor", "walk", goal_object="aiko"), scene, ken.actor).goal.object
+    assert goal is not None
+    assert goal.name == "aiko"
+
+
 def test_humans_are_listed_among_the_objects_with_what_they_afford(pair: tuple[MainProcess, MainProcess]) -> None:
     ken, aiko = pair
     catalogue = WorldCatalogue(ken.workspace, ken.communication, lambda: ken.actor)

@@ -5,6 +5,7 @@ import pytest
 from ahmss.errors import CommandError
 from ahmss.main.command import Act, Add, Do, Line, Set
 from ahmss.main.dialogue import Dialogue, Listing
+from ahmss.main.terminal import PersonsTerminal
 
 
 class Shelf:
@@ -133,3 +134,14 @@ def test_an_object_is_named_by_as_many_of_its_last_parts_as_it_takes() -> None:
         dialogue.answer("esk/lever_5")
     dialogue.answer("panel/lever_5")
     assert dialogue.question.prompt == "what to do with room/panel/lever_5"
+
+
+def test_on_a_terminal_names_are_shown_whole_however_long_the_sentences_are(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    names = ["control_room/panel/annunciator_window_2", "control_room/desk/telephone/handset", "aiko"]
+    PersonsTerminal(None).show(Listing("objects", tuple((name, "A sentence of many words. " * 6) for name in names)))
+    shown = capsys.readouterr().out
+    assert all(f"  {name} " in shown for name in names)
+    assert max(map(len, shown.splitlines())) <= 100

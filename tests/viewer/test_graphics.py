@@ -78,3 +78,10 @@ def test_without_a_display_a_window_is_refused_with_the_way_out(tmp_path: Path) 
     done = run(code)
     assert "there is no display" in done.stdout
     assert "--headless" in done.stdout
+
+
+def test_a_recording_that_is_not_there_is_told_before_a_display_that_is_not(tmp_path: Path) -> None:
+    code = "from ahmss_viewer.app import ViewOptions, view\nview(ViewOptions(replay=Path(sys.argv[1]) / 'nosuch.rec'))"
+    answer = run(f"import sys\nfrom pathlib import Path\nsys.argv = ['', {str(tmp_path)!r}]\n{code}")
+    assert "nosuch.rec: the recording can't be read" in answer.stderr
+    assert "display" not in answer.stderr

@@ -37,7 +37,10 @@ def view(options: ViewOptions, progress: Callable[[int, int], None] | None = Non
 
         return watch(options)
     from ahmss_viewer.graphics import use_window
+    from ahmss_viewer.source import Replay
 
+    if options.replay is not None:  # what is wrong with it is told before what is wrong with the display
+        Replay(options.replay).close()
     use_window()
     from ahmss_viewer.window import show
 
