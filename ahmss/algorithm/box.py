@@ -1,6 +1,6 @@
 """What a thing fills, as its properties tell: `blocks`, or one `box`, each by its lowest and its highest corner.
 
-A console is a few blocks rather than one as high as its top, so that a hand comes to what is on its slope.
+A block may also be an outline, seen from the side, drawn out along y: so a console is told as it slopes.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from ahmss.algorithm.place import Transform, WorldObject
 from ahmss.body.array import Array
-from ahmss.body.quaternion import to_matrix
+from ahmss.body.quaternion import rotate, to_matrix
 from ahmss.reaching.prism import Prism
 
-__all__ = ["Box", "boxes_of", "nearest"]
+__all__ = ["Box", "boxes_of", "filled", "nearest"]
 
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)  # of a box, high or low
+_LEVEL = 1e-6  # of a face's unit vector: what is less is upright, or level
 _ALIKE = 1e-12  # by which the components of two rotations differ that are one
 
 
@@ -45,9 +46,30 @@ class Box:
     def prism(self, *, sought: bool = False) -> Prism:
         """The upright prism about it."""
         places = self.corners()
-        hull = shapely.convex_hull(shapely.MultiPoint(places[:, :2]))
-        ring = shapely.get_coordinates(hull)[:-1]
-        return Prism(ring, float(places[:, 2].min()), float(places[:, 2].max()), sought)
+        return Prism(_around(places[:, :2]), float(places[:, 2].min()), float(places[:, 2].max()), sought)
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """A frame in the world, a convex outline (n, 2) in its x and z, counter-clockwise, and the two y between which it
+    is drawn out, the lower first.
+    """
+
+    frame: Transform
+    outline: Array
+    ends: Array
+
+    def prism(self, *, sought: bool = False) -> Prism:
+        """What it fills: the upright prism about it, cut off at its slopes."""
+        x, z = self.outline.T
+        places = self.frame.apply(np.concatenate([np.stack([x, np.full(len(x), y), z], axis=-1) for y in self.ends]))
+        along = np.roll(self.outline, -1, axis=0) - self.outline
+        out = np.stack([along[:, 1], np.zeros(len(along)), -along[:, 0]], axis=-1)
+        out /= np.linalg.norm(out, axis=-1, keepdims=True)
+        out = rotate(self.frame.rotation, np.concatenate([out, [[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]]))
+        slopes = out[(np.abs(out[:, 2]) > _LEVEL) & (np.abs(out[:, 2]) < 1.0 - _LEVEL)]
+        cuts = np.column_stack([slopes, (places @ slopes.T).max(axis=0)]) if len(slopes) else None
+        return Prism(_around(places[:, :2]), float(places[:, 2].min()), float(places[:, 2].max()), sought, cuts)
 
 
 def nearest(boxes: Sequence[Box], points: Array, most: float) -> Array:
@@ -107,9 +129,37 @@ def _gaps(turn: Array, low: Array, high: Array, points: Array, box: NDArray[np.i
 
 def boxes_of(thing: WorldObject) -> list[Box]:
     """The boxes that a thing's properties tell, where it is now; none where they tell none."""
+    return [box for entry in _told(thing) if (box := _box(thing, entry)) is not None]
+
+
+def filled(thing: WorldObject, *, sought: bool = False) -> list[Prism]:
+    """What a thing's properties tell that it fills, where it is now; nothing where they tell nothing."""
+    blocks = [_drawn(thing, entry) if isinstance(entry, dict) else _box(thing, entry) for entry in _told(thing)]
+    return [block.prism(sought=sought) for block in blocks if block is not None]
+
+
+def _told(thing: WorldObject) -> list[Any]:
     one, several = thing.properties.get("box"), thing.properties.get("blocks")
-    told = several if isinstance(several, list) else [] if one is None else [one]
-    return [box for entry in cast(list[Any], told) if (box := _box(thing, entry)) is not None]
+    return cast(list[Any], several) if isinstance(several, list) else [] if one is None else [one]
+
+
+def _drawn(thing: WorldObject, entry: dict[str, Any]) -> _Drawn | None:
+    """One that is told by its outline; None where the entry is none."""
+    try:
+        outline, ends = np.array(entry["outline"], float), np.array(entry["y"], float)
+    except (KeyError, TypeError, ValueError):
+        return None
+    if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < 3 or ends.shape != (2,) or ends[0] >= ends[1]:
+        return None
+    ring = _around(outline)
+    return _Drawn(thing.frame, ring, ends) if len(ring) >= 3 else None
+
+
+def _around(places: Array) -> Array:
+    """The convex outline (m, 2), counter-clockwise, of places (n, 2)."""
+    ring = shapely.get_coordinates(shapely.convex_hull(shapely.MultiPoint(places)))[:-1]
+    x, y = ring.T
+    return ring if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0.0 else ring[::-1]
 
 
 def _box(thing: WorldObject, entry: Any) -> Box | None:

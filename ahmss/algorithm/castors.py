@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.box import filled
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.sitting import Seated, heading_of
 from ahmss.algorithm.task import HumanTask
@@ -105,7 +105,7 @@ def _around(task: HumanTask, seat: Seated) -> list[tuple[str, Prism]]:
     for thing in (*task.world.values(), task.object):
         if thing is None or thing.id == seat.thing.id or thing.kind == "human":
             continue
-        prisms = [box.prism() for box in boxes_of(thing)]
+        prisms = filled(thing)
         if not prisms:
             size = thing.properties.get("size")
             height = float(size[2]) if isinstance(size, (list, tuple)) and len(size) == 3 else np.inf

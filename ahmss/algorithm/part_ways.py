@@ -12,14 +12,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ahmss.algorithm.box import Box, nearest
+from ahmss.algorithm.box import Box, filled, nearest
 from ahmss.algorithm.clearing import KEEPS, offs
 from ahmss.algorithm.controls import beside, front_of
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import between, from_axis_angle, multiply, rotate
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding, opener
 from ahmss.grasping.key_grip import curled
@@ -41,6 +41,7 @@ _SHARES = np.array([0.0, 0.5, 1.0])  # of its way at which it is
 _MOST = 0.03  # metres: what keeps more is as clear as can be
 _REACHES = 0.3  # metres from the part to what a hand may touch that holds it
 _PLATE = 0.1  # metres of it about a control
+_ON_PLATE, _AROUND = 0.08, 0.13  # metres from it up to which a part is on a plate; of that about the part
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
 _ALL_TILTS, _ALL_ROLLS = np.radians(np.arange(-60.0, 61.0, 15.0)), np.radians([0.0, -20.0, 20.0, -40.0, 40.0])
 
@@ -120,7 +121,20 @@ def kept_from(task: HumanTask, part: Part) -> list[Box]:
         return boxes
     low, high = np.array(thing.properties["box"], float)
     behind = np.array([low[0], *(high[1:] + _PLATE)])
-    return [*boxes, Box(thing.frame, low - _PLATE, behind)]
+    return [*boxes, Box(thing.frame, low - _PLATE, behind), *_plates(task, part)]
+
+
+def _plates(task: HumanTask, part: Part) -> list[Box]:
+    """The plate on which the controls are, as it slopes: it may be turned otherwise than the part."""
+    found: list[Box] = []
+    at = part.site.place
+    for prism in (prism for thing in task.world.values() if "blocks" in thing.properties for prism in filled(thing)):
+        off = float(prism.signed(at))
+        if prism.cuts is not None and off < _ON_PLATE:
+            out = prism.way_out(at)
+            frame = Transform(at - off * out, between(np.array([1.0, 0.0, 0.0]), out))
+            found.append(Box(frame, np.full(3, -_AROUND), np.array([0.0, _AROUND, _AROUND])))
+    return found
 
 
 def _gaps_on(task: HumanTask, part: Part, grip: Grip, palms: Array, boxes: Sequence[Box]) -> Array:

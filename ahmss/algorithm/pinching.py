@@ -13,9 +13,11 @@ import numpy as np
 
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
-from ahmss.algorithm.clearing import gap_of, refuse_touching
+from ahmss.algorithm.clearing import KEEPS, WITHIN, gap_of, refuse_touching
 from ahmss.algorithm.controls import beside, in_the_way, stood_before
 from ahmss.algorithm.elbow_room import awaited, crowding
+from ahmss.algorithm.elsewhere import or_elsewhere
+from ahmss.algorithm.going_back import gone_back, rows_made
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.part_ways import (
@@ -34,9 +36,9 @@ from ahmss.algorithm.reaching import Looking, performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.body.inverse import LEFT_HAND, RIGHT_HAND, grips
+from ahmss.body.inverse import grips
 from ahmss.body.links import fingers
-from ahmss.body.quaternion import IDENTITY, conjugate, multiply, rotate, slerp
+from ahmss.body.quaternion import rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding
@@ -48,15 +50,13 @@ from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 
-__all__ = ["Part", "gone_back", "pinched", "rows_made"]
+__all__ = ["Part", "pinched"]
 
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
-_SHORT = 1.0  # as metres: any way on which it comes where it is to go is better
+_REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
 _MOST_WAYS = 3  # that are tried
-_GOES_OVER = 30  # frames in which the elbow comes back to where it was at the part
-_HANDS = slice(RIGHT_HAND, LEFT_HAND + 1)
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 
 
@@ -69,8 +69,8 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     """Frames (n, 260): the hand comes, closes, moves the part, opens, and goes back the way that it came.
 
     Where the arm can't go all the way so it goes the other way, if there is one, with the same site. Where neighbours
-    would be touched it comes and goes otherwise: from farther before the part, aslant, with other palms, or the other
-    hand.
+    would be touched it comes and goes otherwise: from farther before the part, aslant, with other palms, the other
+    hand, or from where one stands elsewhere.
 
     Raises:
         AlgorithmError: thumb and fingers can't close there, it is out of reach, something is in the way, or the hand
@@ -94,14 +94,41 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     prisms = in_the_way(task)
     goal = Goal(part.site.place, palms=ways[0].clear)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
+
+    def attempt(task: HumanTask, gaze: Looking) -> Generator[Array, None, tuple[_Tried, bool]]:
+        return _worked_out(task, ways, other, taken, prisms, boxes, gaze)
+
+    def worth(reaching: Reaching) -> float:
+        """Metres that a hand would have to spare which comes there from so."""
+        found = lasting(reaching, ways, 1)
+        return min(found[0].gap, KEEPS) if found else -np.inf
+
+    task, gaze, (best, is_last) = yield from or_elsewhere(task, gaze, attempt, worth)
+    waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
+    if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
+        best = replace(best, made=(yield from best.perform(best.plan)))
+        _refuse(task, best)
+    tell_missed(task, best.plan)
+    yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
+
+
+def _worked_out(
+    task: HumanTask, ways: Sequence[Approach], other: Part | None, taken: dict[str, list[Grip]],
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking,
+) -> Generator[Array, None, tuple[_Tried, bool]]:  # fmt: skip
+    """The best of some ways from where one stands, in frames (1, 260) of the gaze; and whether it was made last.
+
+    Raises:
+        AlgorithmError: it is out of reach, something is in the way, or the hand can't bring it where it is to go.
+    """
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    each = [[way.by(side) for way in ways if side in way.palms] for side in taken]  # for one hand alone
-    ways = lasting(reaching, ways, _MOST_WAYS) or ways[:1]
+    each = {side: [way.by(side) for way in ways if side in way.palms] for side in taken}  # for one hand alone
+    left = lasting(reaching, ways, _MOST_WAYS) or list(ways[:1])
     best: _Tried | None = None
     refused: AlgorithmError | None = None
     one = None
-    while ways:
-        way = ways.pop(0)
+    while left:
+        way = left.pop(0)
         try:
             one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze)
         except AlgorithmError as error:  # another way may be within reach
@@ -110,21 +137,27 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         best = one if best is None or one.flaw < best.flaw else best
         if best.flaw <= 0.0:
             break
-        while not ways and each and _touching(task, best):  # the ways are the clearest for both
-            own = each.pop()
-            ways = lasting(reaching, own, _MOST_WAYS) if own else []
+        each.pop(one.plan.reacher.side, None)
+        while not left and each and _touching(task, best):  # the ways are the clearest for both
+            _, own = each.popitem()
+            left = lasting(reaching, own, _MOST_WAYS) if own else []
     if best is None:
         assert refused is not None
         raise refused
-    waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
-    if (waited or best is not one) and best.made.looked < 1.0:  # the eyes have gone on since it was made
-        best = replace(best, made=(yield from best.perform(best.plan)))
-    if short := _short(task, best.part, best.plan, best.made):
+    _refuse(task, best)
+    return best, best is one
+
+
+def _refuse(task: HumanTask, tried: _Tried) -> None:
+    """Refuse what would not come off.
+
+    Raises:
+        AlgorithmError: why not.
+    """
+    if short := _short(task, tried.part, tried.plan, tried.made):
         raise AlgorithmError(short)
-    if touching := _touching(task, best):
+    if touching := _touching(task, tried):
         raise touching
-    tell_missed(task, best.plan)
-    yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,12 +209,13 @@ def _tried(
     def flaw(plan: Plan, made: Performed) -> float:
         missed = max(_missed(task, part, plan, made) - _MISSED, 0.0)
         if _short(task, part, plan, made):
-            missed += _SHORT
+            missed += _REFUSED
         missed += crowding(task, made, plan.reacher.side)
         if not boxes:
             return missed
-        gap = gap_of(task, plan.reacher.side, *_shown(made, _back(task, part, plan, made)), beside(task))
-        return missed + max(_SEEN_CLEAR - gap, 0.0)
+        shown = _shown(made, _back(task, part, plan, made))
+        gap, touching = (gap_of(task, plan.reacher.side, *shown, near) for near in (boxes, beside(task)))
+        return missed + max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
     return _Tried(flaw(plan, made), part, plan, made, perform)
@@ -243,29 +277,6 @@ def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:
         grips(task.human, made.rotations[[k]], made.root[[k]])[0, plan.reacher.row] for k in (held[0], held[-1])
     )
     return part.short(first, last)
-
-
-def rows_made(task: HumanTask, made: Performed) -> Array:
-    """The frames (n, 260) of what was performed."""
-    return task.block(made.rotations, made.root, made.importance, made.targets)
-
-
-def gone_back(task: HumanTask, made: Performed, length: int, arm: slice) -> Array:
-    """Frames (n, 260) in which all goes back the way that it came in the first so many, which is clear of things.
-
-    Elbow and palm may have come to another place meanwhile, as a wrist at its limit does: the arm goes over from there.
-    """
-    rotations, targets = made.rotations[:length][::-1].copy(), made.targets[:length][::-1].copy()
-    share = minimum_jerk(np.arange(1, length + 1) / _GOES_OVER)[:, None]
-    rotations[:, arm] = slerp(
-        np.broadcast_to(made.rotations[-1, arm], rotations[:, arm].shape), rotations[:, arm], share
-    )
-    for was, gone in zip(made.targets[-1, _HANDS], targets[:, _HANDS].swapaxes(0, 1), strict=True):
-        if was[7] > 0.0 and gone[0, 7] > 0.0:
-            gone[:, :3] += (1.0 - share) * (was[:3] - gone[0, :3])
-            off = multiply(was[3:7], conjugate(gone[0, 3:7]))
-            gone[:, 3:7] = multiply(slerp(np.tile(off, (length, 1)), IDENTITY, share[:, 0]), gone[:, 3:7])
-    return task.block(rotations, made.root[:length][::-1], made.importance[:length][::-1], targets)
 
 
 def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.box import filled
 from ahmss.algorithm.haste import hurried, least
 from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far
 from ahmss.algorithm.place import WorldObject
@@ -103,8 +103,8 @@ def prisms_of(task: HumanTask, besides: WorldObject | None = None) -> list[Prism
     found: list[Prism] = []
     for thing in things:
         sought = thing is task.object or thing is besides
-        if boxes := boxes_of(thing):
-            found += [box.prism(sought=sought) for box in boxes]
+        if blocks := filled(thing, sought=sought):
+            found += blocks
             continue
         height = _height(thing)
         low = float(thing.place[2])

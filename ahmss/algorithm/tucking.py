@@ -86,8 +86,8 @@ class Tucking:
         for side in self._sides:
             points = _points(self._skeleton, places, turned, side)[0]
             for prism in near:
-                over = points[prism.over(points), 2]
-                if len(over) and -_SUNK < over.min() - prism.high < _LOW:
+                over = points[prism.over(points)]
+                if len(over) and -_SUNK < (over[:, 2] - prism.tops(over)).min() < _LOW:
                     found.append(side)
                     break
         return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -20,7 +19,7 @@ _GAP = 0.035  # metres between controls
 _EDGE = 0.05  # metres between the outer ones and the plate's border
 _SIZE = 0.04  # metres, of a control whose kind does not say
 _FOOT, _BACK, _LIP = 0.2, 0.34, 0.05  # metres: room for the toes, least depth, height of the plate's front
-_STEPS = 5  # boxes that tell hands what of a sloped console is in their way
+_LIP_BACK = 0.02  # metres: from the plate's front to where its foot begins
 _STAND = 0.3  # metres before the plate's front
 _MOST = 400
 
@@ -41,7 +40,7 @@ contains = [
 
 [properties]
 size = [{depth:.3f}, {width:.3f}, {top:.3f}]
-blocks = [                   # lowest and highest corner of what is in a hand's way
+blocks = [                   # what is in a hand's way: its outline, x and z, drawn out along y
 {blocks}
 ]
 
@@ -171,24 +170,22 @@ class _Plate:
         """x and z of what is so far up along the plate."""
         return -along * math.cos(self.slope), self.low + along * math.sin(self.slope)
 
+    def outlines(self) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
+        """The foot and the desk on it seen from the side, x and z, each convex, counter-clockwise."""
+        (top_x, top_z), back, under = self.at(self.length), -self.depth, self.low - _LIP
+        foot = [(back, 0.0), (-_FOOT, 0.0), (-_LIP_BACK, under), (back, under)]
+        return foot, [(back, under), (-_LIP_BACK, under), (0.0, self.low), (top_x, top_z), (back, top_z)]
+
     def blocks(self) -> list[str]:
-        """Boxes, as lines of the file: the foot, and steps under the plate."""
-        half, back = 0.5 * self.width, -self.depth
-        out = [(back, -_FOOT, 0.0, self.low - _LIP)]
-        edges = [i / _STEPS * self.length for i in range(_STEPS + 1)]
-        for first, last in itertools.pairwise(edges):
-            (x1, z), (x0, _) = self.at(first), self.at(last)
-            out.append((x0 if last < self.length else back, x1, self.low - _LIP, z))
-        return [
-            f"  [[{_short(x0)}, {_short(-half)}, {_short(z0)}], [{_short(x1)}, {_short(half)}, {_short(z1)}]],"
-            for x0, x1, z0, z1 in out
-            if x1 - x0 > 0.005 and z1 > z0
-        ]
+        """The same, drawn out along the console's width, as lines of the file."""
+        ends = f"[{_short(-0.5 * self.width)}, {_short(0.5 * self.width)}]"
+        told = [", ".join(f"[{_short(x)}, {_short(z)}]" for x, z in outline) for outline in self.outlines()]
+        return [f"  {{ outline = [{points}], y = {ends} }}," for points in told]
 
     def dxf(self) -> str:
         """The console as 3DFACEs, metres: its outline seen from the side, drawn out along y."""
-        (top_x, top_z), back = self.at(self.length), -self.depth
-        outline = [(back, 0.0), (-_FOOT, 0.0), (-0.02, self.low - _LIP), (0.0, self.low), (top_x, top_z), (back, top_z)]
+        foot, desk = self.outlines()
+        outline = [*foot[:-1], *desk[2:]]
         right, left = ([(x, y, z) for x, z in outline] for y in (0.5 * self.width, -0.5 * self.width))
         faces = [[left[i], left[i - 1], right[i - 1], right[i]] for i in range(len(outline))]
         for i in range(1, len(outline) - 1):

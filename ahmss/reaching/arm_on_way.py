@@ -20,7 +20,7 @@ from ahmss.reaching.bearing import Bearing
 from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.skin import skin_of
+from ahmss.reaching.skin import arm_skin
 from ahmss.reaching.twist import handed_back, untwisted
 
 __all__ = ["AIMED", "FASTEST", "ArmOnWay", "farther", "fastest_of", "solved"]
@@ -178,13 +178,13 @@ def _within_reach(reacher: Reacher, palms: Array, spine: tuple[Array, Array], ti
 
 
 def _touch(reacher: Reacher, prisms: Sequence[Prism], body: Bearing, arm: ArmOnWay, n: int) -> float:
-    """How deep, metres, the skin of forearm, hand and fingers is in things in the first n frames; below 0 in none.
+    """How deep, metres, the skin of arm, hand and fingers is in things in the first n frames; below 0 in none.
 
     Towards either end it may be as near as it is there.
     """
     seen = body.seen[:n].copy()
     seen[:, reacher.links] = arm.links[:n]
-    points, radii = skin_of(reacher, seen, body.trunk.root[:n])
+    points, radii = arm_skin(reacher, seen, body.trunk.root[:n])
     gap = clearance(prisms, points, _AIR + float(radii.max())) - radii
     time = np.arange(1, n + 1) / n
     first, last = np.minimum(gap[0], _AIR), np.minimum(gap[-1], _AIR)

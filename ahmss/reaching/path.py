@@ -137,7 +137,7 @@ def _of_each_kind(family: Sequence[Curve], order: Sequence[int]) -> list[Curve]:
 
 
 def _nearness(between: Array, time: Array) -> Array:
-    """What gaps (m, n, 13) to things cost (m), at shares of the time (n), by how much they are too small.
+    """What gaps (m, n, 15) to things cost (m), at shares of the time (n), by how much they are too small.
 
     Where a way begins or ends nearer to a thing than the margin, it may be so near there.
     """

@@ -1,6 +1,7 @@
 """What may be in a hand's way, as upright prisms: the outline of a thing seen from above, from its bottom to its top.
 
-A table is a block of its own height: a hand goes over its top, not through it, and nobody reaches under it.
+A table is a block of its own height: a hand goes over its top, not through it, and nobody reaches under it. What
+slopes, as a console's plate does, is cut off by planes.
 """
 
 from __future__ import annotations
@@ -28,15 +29,20 @@ class Prism:
     """An outline (n, 2) in the world, and the heights between which the thing is, metres.
 
     sought: whether it is what is reached for, which fingers come close to.
+    cuts: (k, 4) planes beyond which there is nothing of it: a unit vector out of it, and how far along it is.
     """
 
     ring: Array
     low: float
     high: float
     sought: bool = False
+    cuts: Array | None = None
 
     def signed(self, points: Array) -> Array:
-        """The distance (...) of points (..., 3) from it; negative within: how far the way out is."""
+        """The distance (...) of points (..., 3) from it; negative within: how far the way out is.
+
+        Beside an edge at which it is cut off it may be told to be nearer than it is.
+        """
         flat = points.reshape(-1, 3)
         made = self._made
         places = np.asarray(shapely.points(flat[:, :2]))
@@ -46,7 +52,10 @@ class Prism:
             level[inside] = -np.asarray(shapely.distance(made.boundary, places[inside]), np.float64)
         upright = np.maximum(flat[:, 2] - self.high, self.low - flat[:, 2])
         both = np.hypot(np.maximum(level, 0.0), np.maximum(upright, 0.0))
-        return np.where((level < 0.0) & (upright < 0.0), np.maximum(level, upright), both).reshape(points.shape[:-1])
+        away = np.where((level < 0.0) & (upright < 0.0), np.maximum(level, upright), both)
+        return (away if self.cuts is None else np.maximum(away, self._beyond(flat).max(axis=-1))).reshape(
+            points.shape[:-1]
+        )
 
     def way_out(self, point: Array) -> Array:
         """The unit vector (3,) along which a point (3,) comes away from it soonest, or is away from it already."""
@@ -60,9 +69,21 @@ class Prism:
         aside = np.array([*off, 0.0]) / (level if abs(level) > _TINY else _TINY)
         both = max(level, 0.0) * aside + max(upright, 0.0) * up
         length = float(np.linalg.norm(both))
+        if self.cuts is not None:
+            beyond = self._beyond(point[None])[0]
+            if beyond.max() > (length if length > _TINY else max(level, upright)):
+                return self.cuts[int(beyond.argmax()), :3]
         if length > _TINY:
             return both / length
         return aside if level > upright else up
+
+    def tops(self, points: Array) -> Array:
+        """How high (n) it is at points (n, 2) or (n, 3) of its outline."""
+        high = np.full(len(points), self.high)
+        for x, y, z, along in () if self.cuts is None else self.cuts:
+            if z > 0.0:
+                high = np.minimum(high, (along - points[:, 0] * x - points[:, 1] * y) / z)
+        return high
 
     def at_least(self, points: Array) -> Array:
         """The distance (n) of points (n, 3) from the upright box around it, which it is away by at least; 0 within."""
@@ -86,6 +107,11 @@ class Prism:
     def from_outline(self, points: Array) -> Array:
         """How far points (n, 3) are from its outline's line, level."""
         return np.asarray(shapely.distance(self._made.boundary, shapely.points(points[:, :2])), np.float64)
+
+    def _beyond(self, points: Array) -> Array:
+        """How far points (n, 3) are beyond each of the planes (n, k)."""
+        assert self.cuts is not None
+        return points @ self.cuts[:, :3].T - self.cuts[:, 3]
 
     @cached_property
     def _made(self) -> _Made:
@@ -151,7 +177,7 @@ def over_hand(prism: Prism, middle: Array, points: Array, radii: Array) -> Prism
     what is over it is in its way. Nothing of what one is in or sits on oneself, seen from the middle (3,) of the body,
     or has a hand deep in, as in a basin: None.
     """
-    inside = prism.over(points) & (points[:, 2] < prism.high) & (points[:, 2] > prism.low)
+    inside = prism.over(points) & (points[:, 2] < prism.tops(points)) & (points[:, 2] > prism.low)
     if not inside.any():
         return prism
     if prism.over(middle[None])[0] or prism.from_outline(points[inside]).max() > _UNDER:

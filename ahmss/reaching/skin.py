@@ -1,4 +1,4 @@
-"""How near forearm and hand are to things, before the arm is solved: the elbow where it would go by itself."""
+"""How near arm and hand are to things, before the arm is solved: the elbow where it would go by itself."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from ahmss.body.quaternion import multiply, rotate
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["MARGIN", "gaps", "hand_skin", "skin_of"]
+__all__ = ["MARGIN", "arm_skin", "gaps", "hand_skin", "skin_of"]
 
 MARGIN = 0.02
-"""Metres of air that hand and forearm keep."""
+"""Metres of air that hand and arm keep."""
 
+_UPPER, _THICK = np.array([0.5, 0.75])[:, None], np.full(2, 0.045)  # of the upper arm from the shoulder; metres
 _FOREARM = np.linspace(0.0, 1.0, 5)[:, None]
 _RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.034])  # metres, from the elbow to the wrist
 _ALONG = (0.0, 0.5, 1.0)  # of a link
@@ -30,7 +31,7 @@ _X = np.array([1.0, 0.0, 0.0])
 
 
 def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Array, prisms: Sequence[Prism]) -> Array:
-    """Metres (..., 13) between the skin of forearm and hand and the nearest thing, negative inside.
+    """Metres (..., 15) between the skin of the arm and the nearest thing, negative inside.
 
     What is farther than the margin is told to be anywhere beyond it.
 
@@ -50,12 +51,14 @@ def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Ar
     solved = with_hand(solved, np.clip(hand_angles(solved), low, high))  # turned as far as the joints allow
     upper = multiply(spine[1], multiply(arm.rotation, solved[..., 0, :]))
     rotation = multiply(multiply(upper, solved[..., 1, :]), solved[..., 2, :])
-    elbow = reacher.shoulder(spine) + arm.lengths[0] * rotate(upper, _X)
+    shoulder, along = reacher.shoulder(spine), arm.lengths[0] * rotate(upper, _X)
+    upper_arm = shoulder[..., None, :] + _UPPER * along[..., None, :]
+    elbow = shoulder + along
     forearm = elbow[..., None, :] + _FOREARM * (place - elbow)[..., None, :]
     points, radii = _hand(reacher)
     hand = place[..., None, :] + rotate(rotation[..., None, :], points)
-    radii = np.concatenate([_RADII, radii])
-    return clearance(prisms, np.concatenate([forearm, hand], axis=-2), MARGIN + float(radii.max())) - radii
+    radii = np.concatenate([_THICK, _RADII, radii])
+    return clearance(prisms, np.concatenate([upper_arm, forearm, hand], axis=-2), MARGIN + float(radii.max())) - radii
 
 
 def skin_of(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:
@@ -67,6 +70,14 @@ def skin_of(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Arr
     radii = np.tile(skeleton.radii[links], (len(_ALONG), 1))
     radii[-1, 0] *= _WRIST
     return np.concatenate(points, axis=-2), radii.ravel()
+
+
+def arm_skin(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """Points (..., n, 3) and radii (n,) of `skin_of`, and of the upper arm from its middle on."""
+    points, radii = skin_of(reacher, rotations, root)
+    places, _ = forward(rotations, root, reacher.skeleton.offsets)
+    shoulder, elbow = places[..., None, reacher.links.start, :], places[..., None, reacher.links.start + 1, :]
+    return np.concatenate([points, shoulder + _UPPER * (elbow - shoulder)], axis=-2), np.concatenate([radii, _THICK])
 
 
 def hand_skin(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:

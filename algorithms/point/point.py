@@ -13,7 +13,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.box import boxes_of
+from ahmss.algorithm.box import filled
 from ahmss.algorithm.elbow_room import awaited
 from ahmss.algorithm.facing import faced
 from ahmss.algorithm.haste import hurried
@@ -79,9 +79,10 @@ def _target(task: HumanTask) -> Array:
         return task.site.place
     if task.object is None:
         raise AlgorithmError("point at what? add `to X Y Z`, or `to` and an object")
-    if boxes := boxes_of(task.object):
-        corners = np.concatenate([box.corners() for box in boxes])
-        return 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    if blocks := filled(task.object):
+        rings = np.concatenate([block.ring for block in blocks])
+        middle = 0.5 * (rings.min(axis=0) + rings.max(axis=0))
+        return np.append(middle, 0.5 * (min(block.low for block in blocks) + max(block.high for block in blocks)))
     size = task.object.properties.get("size")
     high = float(size[2]) if isinstance(size, (list, tuple)) and len(size) == 3 else 0.0
     return task.object.frame.apply(np.array([0.0, 0.0, 0.5 * high]))

@@ -17,10 +17,10 @@ from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.box import Box
 from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
 from ahmss.algorithm.elbow_room import awaited, crowding
+from ahmss.algorithm.going_back import gone_back, rows_made
 from ahmss.algorithm.haste import least
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.out_of_reach import tell_missed
-from ahmss.algorithm.pinching import gone_back, rows_made
 from ahmss.algorithm.reaching import performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform
-from ahmss.algorithm.box import Box, boxes_of
+from ahmss.algorithm.box import filled
 from ahmss.algorithm.giving_way import points_of
 from ahmss.algorithm.messages import Goal, ObjectRecord
 from ahmss.algorithm.place import WorldObject
@@ -55,7 +55,7 @@ def pressed(name: str, held: dict[str, int]) -> tuple[Body, list[HumanPose], Hum
 
 def depth(body: Body, shown: list[HumanPose], task: HumanTask, *, manual: bool, side: str = "right") -> float:
     """How deep the bones of hand and forearm, or the board in the hand, come to be in the panel, metres."""
-    boxes: list[Box] = boxes_of(WorldObject.of(device("panel", PANEL)))
+    blocks = filled(WorldObject.of(device("panel", PANEL)))
     places, turned = posed(body, shown)
     if manual:
         held, _ = points_of(task, side, task.world[21])
@@ -65,7 +65,7 @@ def depth(body: Body, shown: list[HumanPose], task: HumanTask, *, manual: bool, 
         links = [INDEX[f"{side}_lower_arm"], INDEX[f"{side}_hand"], *fingers(side)]
         ends = places[:, links] + rotate(turned[:, links], body.skeleton.tips[links])
         points: Array = np.concatenate([places[:, links], ends, 0.5 * (places[:, links] + ends)], axis=1)
-    return float(max(-box.gap(points).min() for box in boxes))
+    return float(max(-block.signed(points).min() for block in blocks))
 
 
 @pytest.mark.parametrize("name", ["ken", "aiko"])

@@ -10,11 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ahmss.algorithm import WorldObject
+from ahmss.algorithm.box import filled
 from ahmss.body.quaternion import rotate
 from ahmss.database.check import check
+from ahmss.database.footprint import triangles_of
 from ahmss.database.panel import new_panel
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError, DataError
+from ahmss.reaching.prism import clearance
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -50,6 +54,23 @@ def test_rows_of_controls_stand_on_the_plate(workspace: Workspace, slope: float)
     low, high = workspace.objects.shape("board").bounds
     assert high[2] >= places[:, 2].max()
     assert low[2] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("slope", [0.0, 12.0, 35.0, 90.0])
+def test_hands_are_told_of_a_console_as_it_is_drawn(workspace: Workspace, slope: float) -> None:
+    new_panel(workspace, "board", ["push_button"], 3, 4, slope, 1.1)
+    kind, shape = workspace.objects.get("board"), workspace.objects.shape("board")
+    assert shape is not None
+    board = WorldObject(1, "board", "board", np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), properties=kind.properties)
+    blocks = filled(board)
+    faces = triangles_of(shape.glb)
+    out = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    some = np.linalg.norm(out, axis=-1) > 1e-6
+    middles, out = faces[some].mean(axis=1), out[some] / np.linalg.norm(out[some], axis=-1, keepdims=True)
+    np.testing.assert_allclose(clearance(blocks, middles), 0.0, atol=2e-4)  # the file has tenths of millimetres
+    beside = np.sort([clearance(blocks, middles + 0.01 * out), clearance(blocks, middles - 0.01 * out)], axis=0)
+    np.testing.assert_allclose(beside[1], 0.01, atol=5e-4)
+    assert (beside[0] < -0.009).all()
 
 
 @pytest.mark.parametrize(

@@ -70,3 +70,30 @@ def test_distances_are_exact_where_they_are_asked_for() -> None:
     told = clearance([BLOCK, turned], points, 0.1)
     np.testing.assert_allclose(told[exact < 0.1], exact[exact < 0.1])
     assert (told[exact >= 0.1] >= 0.1).all()
+
+
+WEDGE = Prism(SQUARE, 0.0, 0.9, cuts=np.array([[-np.sqrt(0.5), 0.0, np.sqrt(0.5), -0.7 * np.sqrt(0.5)]]))
+"""The same block, its top rising by 45 degrees from 0.3 high at x = 1, as far as it was."""
+
+
+@pytest.mark.parametrize(
+    ("point", "distance", "out"),
+    [
+        ((1.2, 0.0, 0.9), 0.4 * np.sqrt(0.5), [-np.sqrt(0.5), 0.0, np.sqrt(0.5)]),
+        ((1.5, 0.0, 0.7), -0.1 * np.sqrt(0.5), [-np.sqrt(0.5), 0.0, np.sqrt(0.5)]),
+        ((2.0, 0.0, 1.2), 0.3, [0.0, 0.0, 1.0]),
+        ((0.5, 0.0, 0.1), 0.5, [-1.0, 0.0, 0.0]),
+    ],
+)
+def test_what_slopes_is_cut_off(point: tuple[float, float, float], distance: float, out: list[float]) -> None:
+    at = np.array(point)
+    assert WEDGE.signed(at) == pytest.approx(distance)
+    assert clearance([WEDGE], at[None]) == pytest.approx([distance])
+    np.testing.assert_allclose(WEDGE.way_out(at), out, atol=1e-9)
+    np.testing.assert_allclose(WEDGE.tops(np.array([[1.1, 0.0], [1.5, 0.3], [2.5, 0.0]])), [0.4, 0.8, 0.9])
+
+
+def test_a_hand_over_the_low_end_of_what_slopes_is_not_under_it() -> None:
+    here, radii = np.array([0.6, 0.0, 0.9]), np.array([0.03])
+    assert over_hand(WEDGE, here, np.array([[1.1, 0.0, 0.6]]), radii) is WEDGE
+    assert over_hand(BLOCK, here, np.array([[1.1, 0.0, 0.6]]), radii) is not BLOCK
