@@ -1,6 +1,7 @@
 """Gestures of feeling and intent, by oneself or to somebody, whose eyes are looked at meanwhile.
 
-Where the arms go is known against the trunk, so a gesture can be made while the body is carried elsewhere.
+Where the arms go is known against the trunk, so a gesture can be made while the body is carried elsewhere. Who stands
+beside things keeps the arms out of them, and steps back first where these would be far in.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.company import Watching
+from ahmss.algorithm.free_arm import arm_kept_out
 from ahmss.algorithm.haste import hurried
+from ahmss.algorithm.meanwhile import waited
+from ahmss.algorithm.stepping_back import arms_in, stepped_back
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX, fingers
@@ -26,6 +30,7 @@ HANGS = 0.75  # of a bow's angle, by which the arms hang back to the vertical
 NODS = 0.25  # of a bow's angle, by which the head goes further
 BY_SPINE = 0.6  # of a bow, of who can't bend at the hips because they walk
 SPINE = 3.0
+MOST_IN = 0.04  # metres that an arm would be in things, and is moved out of them, before one steps back
 _X, _Y, _Z = np.eye(3)
 
 
@@ -36,19 +41,33 @@ def gesture(task: HumanTask) -> Iterator[Array]:
     if made is None:
         raise AlgorithmError(f'no gesture "{which}"; there are: {", ".join(GESTURES)}')
     task, watching = yield from Watching.faced(task)
-    task.arrived()
-    length = hurried(task, max(round(made.seconds * task.rate), 1))
-    time = np.arange(1, length + 1) / length * made.seconds
+    sides = [side for side, _ in _palms(task, made)]
+    time = _time(task, made)
     rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)
+    if sides and not task.length and arms_in(task, sides, rows) > MOST_IN:
+        back = yield from stepped_back(task, sides, rows)
+        if back is not task:
+            task, watching = back, Watching.of(back)
+            rows = _gestured(task, made, time, watching)
+    task.arrived()
+    still = task.block(task.start.rotations[None], task.start.root[None], np.zeros(44))
+    for side in sides:
+        rows, _ = yield from waited(arm_kept_out(task, side, rows), still, 0 if task.length else None)
     if watching is None:
         yield rows
         return
     turns = head_at(made, time) * task.parameter("amount", 1.0)
-    for i in range(length):
+    for i in range(len(time)):
         row = rows[i : i + 1].copy()
         if not made.bends:
-            row[0, 220:260].reshape(5, 8)[GAZE] = watching.gaze(turns[i, 0], turns[i, 1], i + 1, length)
+            row[0, 220:260].reshape(5, 8)[GAZE] = watching.gaze(turns[i, 0], turns[i, 1], i + 1, len(time))
         yield row
+
+
+def _time(task: HumanTask, made: Gesture) -> Array:
+    """The seconds (n) of its frames, from when it begins."""
+    length = hurried(task, max(round(made.seconds * task.rate), 1))
+    return np.arange(1, length + 1) / length * made.seconds
 
 
 def _gestured(task: HumanTask, made: Gesture, time: Array, watching: Watching | None) -> Array:

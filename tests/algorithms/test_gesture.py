@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import itertools
 
+import msgspec
 import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, frames
+from ahmss.algorithm.box import filled
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start
+from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
@@ -18,8 +21,12 @@ from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vecto
 from ahmss.errors import AlgorithmError
 from ahmss.motion.gestures import GESTURES
 from ahmss.motion.planting import feet
+from ahmss.reaching.prism import clearance
+from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.skin import arm_skin
 from ahmss.reaching.standing import centre_of_mass, support
-from tests.algorithms.scene import Body, program
+from tests.algorithms.devices import at, device
+from tests.algorithms.scene import WORKSPACE, Body, program
 
 BODIES = ("ken", "aiko")
 UP = np.array([0.0, 0.0, 1.0])
@@ -233,3 +240,19 @@ def test_one_bows_as_oneself_wherever_the_world_has_last_seen_one() -> None:
     with pytest.raises(AlgorithmError, match="behind the back"):
         made("ken", "bow", whom=(-0.3, 0.05))
     assert body.root[2] > 0.5
+
+
+@pytest.mark.parametrize("which", ["wave", "shrug", "thumbs_up", "think"])
+@pytest.mark.parametrize(("name", "x", "facing"), [("ken", 0.3, 180.0), ("ken", 0.28, 200.0), ("aiko", 0.28, 200.0)])
+def test_who_stands_close_to_a_panel_keeps_the_arms_out_of_it(name: str, x: float, facing: float, which: str) -> None:
+    """They were 44 to 94 mm in it."""
+    panel, walks = device("panel", at(0.0, 0.0, 0.0)), str(WORKSPACE.objects.get("human").affordances[which].motion)
+    body, blocks = Body(name, x, 0.1, facing), filled(WorldObject.of(panel))
+    shown = body.do("gesture", msgspec.structs.replace(start_of(body, which), world=[panel], motion=walks))
+    rotations, root = np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
+    for side in ("right", "left"):
+        points, radii = arm_skin(Reacher.of(body.skeleton, side), rotations, root)
+        assert (clearance(blocks, points) - radii).min() > -0.002, side
+    arms = slice(INDEX["right_upper_arm"], INDEX["left_hand"] + 1)
+    turned = to_rotation_vector(multiply(conjugate(rotations[:-1, arms]), rotations[1:, arms]))
+    assert np.degrees(np.linalg.norm(turned, axis=-1)).max() < 9.0
