@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Iterable, Iterator
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -36,9 +37,10 @@ def make_fields(root: Path, kinds: Iterable[str]) -> None:
             kept = workspace.objects.kept_shape(kind) if places else None
             if kept is not None:
                 shape = TargetShape(str(kept[0]), kept[1])
-                for place in places:
+                for part, place in product((shape, shape.rest), places):
                     with contextlib.suppress(ValueError):  # nothing of it is there
-                        shape.field(place)
+                        if part is not None:
+                            part.field(place)
 
 
 def _places(workspace: Workspace, kind: str) -> Iterator[Array]:

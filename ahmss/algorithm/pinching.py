@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from ahmss.algorithm.part_ways import (
     on_part,
     open_hand,
 )
+from ahmss.algorithm.past_the_rest import Rest
 from ahmss.algorithm.reaching import Looking, performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
 from ahmss.algorithm.task import HumanTask
@@ -46,6 +48,7 @@ from ahmss.grasping.key_grip import curled
 from ahmss.grasping.rolling import rolled
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
+from ahmss.reaching.going_on import GoingOn
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
@@ -121,7 +124,8 @@ def _worked_out(
     Raises:
         AlgorithmError: it is out of reach, something is in the way, or the hand can't bring it where it is to go.
     """
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    along, rest = partial(_along, ways[0].part), Rest(task)
+    reaching = GoingOn(task.human, task.start.rotations, task.start.root, along)
     each = {side: [way.by(side) for way in ways if side in way.palms] for side in taken}  # for one hand alone
     left = lasting(reaching, ways, _MOST_WAYS) or list(ways[:1])
     best: _Tried | None = None
@@ -130,7 +134,7 @@ def _worked_out(
     while left:
         way = left.pop(0)
         try:
-            one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze)
+            one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze, rest)
         except AlgorithmError as error:  # another way may be within reach
             refused = refused or error
             continue
@@ -189,7 +193,7 @@ def _touching(task: HumanTask, tried: _Tried) -> AlgorithmError | None:
 
 def _tried(
     task: HumanTask, way: Approach, other: Part | None, taken: dict[str, list[Grip]], reaching: Reaching,
-    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking,
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, rest: Rest,
 ) -> Generator[Array, None, _Tried]:  # fmt: skip
     """What comes of a way.
 
@@ -197,23 +201,30 @@ def _tried(
         AlgorithmError: it is out of reach so.
     """
     part = way.part
+    instead = None if other is None else replace(other, off=part.off)
     goal = Goal(part.site.place, palms=way.clear)
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
         grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
+        plan = rest.round(plan, open_hand(task, plan.reacher.side, grip.holding), part.off)
+        yield from gaze.if_there_is_time()
         made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
-        if other is not None and _missed(task, part, plan, made) > _MISSED:
-            made = yield from _made(task, replace(other, off=part.off), plan, gaze, reaching, grip.holding)
-        return made
+        missed = _missed(task, part, plan, made)
+        if instead is None or missed <= _MISSED:
+            return made
+        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding)
+        return so if _missed(task, instead, plan, so) < missed else made
 
     def flaw(plan: Plan, made: Performed) -> float:
-        missed = max(_missed(task, part, plan, made) - _MISSED, 0.0)
+        either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
+        missed = max(min(either) - _MISSED, 0.0)
         if _short(task, part, plan, made):
             missed += _REFUSED
         missed += crowding(task, made, plan.reacher.side)
+        shown = _shown(made, _back(task, part, plan, made))
+        missed += rest.depth(plan.reacher.side, *shown)
         if not boxes:
             return missed
-        shown = _shown(made, _back(task, part, plan, made))
         gap, touching = (gap_of(task, plan.reacher.side, *shown, near) for near in (boxes, beside(task)))
         return missed + max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
 
@@ -277,6 +288,14 @@ def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:
         grips(task.human, made.rotations[[k]], made.root[[k]])[0, plan.reacher.row] for k in (held[0], held[-1])
     )
     return part.short(first, last)
+
+
+def _along(part: Part, palms: Array) -> Array:
+    """Where palms (n, 7) that are on the part now are before it, and when it has gone its way, off it and on it."""
+    ends = np.array([0.0, 1.0, 1.0])
+    places = on_part(part, palms, ends)
+    places[:2, :, :3] += rotate(part.way(ends[:2])[1], part.off)[:, None]
+    return places
 
 
 def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:

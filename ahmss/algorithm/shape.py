@@ -29,10 +29,11 @@ class TargetShape:
     Args:
         path: of its GLB, as START names it.
         digest: SHA-256 of that file.
+        fixed: whether only what of it no state moves or hides.
     """
 
-    def __init__(self, path: str, digest: str) -> None:
-        self.path, self.digest = path, digest
+    def __init__(self, path: str, digest: str, *, fixed: bool = False) -> None:
+        self.path, self.digest, self._fixed = path, digest, fixed
         self._fields: dict[tuple[int, int, int], Field] = {}
 
     @cached_property
@@ -52,7 +53,7 @@ class TargetShape:
         if hashlib.sha256(data).hexdigest() != self.digest:
             raise DataError(self.path, "", "is not the shape that was named; delete it and begin the action again")
         try:
-            return triangles_of(data)
+            return triangles_of(data, fixed=self._fixed)
         except (ProtocolError, LookupError, ValueError) as error:
             raise DataError(self.path, "", f"has no triangles that can be read ({error})") from None
 
@@ -65,6 +66,16 @@ class TargetShape:
     def faces(self) -> NDArray[np.intp]:
         """(T, 3) numbers of vertices, counter-clockwise from outside."""
         return np.arange(3 * len(self._triangles)).reshape(-1, 3)
+
+    @cached_property
+    def rest(self) -> TargetShape | None:
+        """What of it stays where parts of it are moved, a tap without its lever; None where it has no parts, or no more.
+
+        Raises:
+            DataError: the shape can't be read.
+        """
+        fixed = TargetShape(self.path, self.digest, fixed=True)
+        return fixed if 0 < len(fixed._triangles) < len(self._triangles) else None
 
     def field(self, place: Array) -> Field:
         """How far points are from what of the shape is within a hand's reach of a place (3,) in the object's frame.
@@ -82,7 +93,7 @@ class TargetShape:
         return found
 
     def _field(self, cell: tuple[int, int, int]) -> Field:
-        kept = Path(self.path).parent.with_name("fields") / f"{self.digest}_{'_'.join(map(str, cell))}_{_VERSION}"
+        kept = Path(self.path).parent.with_name("fields") / self._named(cell)
         data = store.take(kept)
         if data is not None:
             with contextlib.suppress(DataError):  # what was kept is broken: it is made anew
@@ -93,3 +104,7 @@ class TargetShape:
         made = build(self.vertices, self.faces, middle - REACH, middle + REACH)
         store.keep(kept, made.to_bytes())
         return made
+
+    def _named(self, cell: tuple[int, int, int]) -> str:
+        """What the file of the distances around a place is called."""
+        return "_".join([self.digest, *(["fixed"] if self._fixed else []), *map(str, cell), str(_VERSION)])

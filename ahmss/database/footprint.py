@@ -18,6 +18,7 @@ from ahmss.body.quaternion import about_z, conjugate, multiply, normalize, rotat
 from ahmss.database import store
 from ahmss.database.shape import Shape
 from ahmss.motion.glbfile import GlbReader
+from ahmss.states.behaviour import PART
 
 __all__ = ["HIGH", "LOW", "Footprints", "Rings", "triangles_of"]
 
@@ -89,9 +90,12 @@ def _footprint(triangles: Array, raised: int) -> Rings:
     return outlines(triangles, LOW - 0.01 * raised, HIGH - 0.01 * raised)
 
 
-def triangles_of(glb: bytes) -> Array:
-    """The triangles (n, 3, 3) of a shape as it travels."""
+def triangles_of(glb: bytes, *, fixed: bool = False) -> Array:
+    """The triangles (n, 3, 3) of a shape as it travels; fixed: but those of parts that states may move or hide."""
     reader = GlbReader(glb)
-    primitives = [primitive for mesh in reader.tree["meshes"] for primitive in mesh["primitives"]]
+    meshes = [mesh for mesh in reader.tree["meshes"] if not (fixed and str(mesh.get("name", "")).startswith(PART))]
+    primitives = [primitive for mesh in meshes for primitive in mesh["primitives"]]
+    if not primitives:
+        return np.zeros((0, 3, 3))
     parts = [reader.array(p["attributes"]["POSITION"])[reader.array(p["indices"])[:, 0]] for p in primitives]
     return np.concatenate(parts).astype(np.float64).reshape(-1, 3, 3)

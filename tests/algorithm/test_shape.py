@@ -79,3 +79,14 @@ def test_an_object_that_is_not_asked_for_has_none(kept: TargetShape) -> None:
     from ahmss.algorithm.messages import ObjectRecord
 
     assert WorldObject.of(ObjectRecord(1, "a", "cup", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))).shape is None
+
+
+def test_what_of_it_stays_is_told_without_what_states_move(kept: TargetShape) -> None:
+    assert kept.rest is None  # a cup has no parts
+    path, digest = Workspace(ROOT).objects.kept_shape("tap") or (Path(), "")
+    tap = TargetShape(str(path), digest)
+    assert tap.rest is not None
+    lever, spout = np.array([0.075, 0.0, 0.243]), np.array([0.1, 0.0, 0.18])
+    assert tap.field(lever).clearance(lever) < 0.0
+    assert tap.rest.field(lever).clearance(lever) > 0.03
+    np.testing.assert_allclose(tap.rest.field(lever).clearance(spout), tap.field(lever).clearance(spout), atol=1e-3)

@@ -15,6 +15,7 @@ from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import from_axis_angle, rotate
+from ahmss.database.footprint import triangles_of
 from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
 from tests.demo.skin import Skin
@@ -115,6 +116,31 @@ def from_lever(name: str, side: str, pose: HumanPose, angle: float) -> dict[str,
         points = np.concatenate([points, corners.mean(axis=1), 0.5 * (corners[:, 0] + corners[:, 1])])
         found[finger] = float(outside(points, thing("tap").near).min())
     return found
+
+
+@pytest.mark.parametrize(
+    ("name", "aside", "begins"),
+    [
+        ("aiko", 0.0, 0.0),
+        pytest.param("ken", 0.15, 0.0, marks=pytest.mark.long),
+        pytest.param("ken", 0.15, LARGEST, marks=pytest.mark.long),
+        pytest.param("ken", -0.15, 0.0, marks=pytest.mark.long),
+    ],
+)  # fmt: skip
+def test_the_left_hand_goes_round_the_spout(name: str, aside: float, begins: float) -> None:
+    body = standing(name, aside)
+    shown = body.do("turn", turning(body, begins, busy=["right"]))
+    shape = WORKSPACE.objects.shape("tap")
+    assert shape is not None
+    body_of_it = triangles_of(shape.glb, fixed=True)
+    skin = Skin.read(WORKSPACE.humans.shape(name).glb, body.skeleton)
+    chosen = np.flatnonzero(np.isin(skin.link, [INDEX["left_hand"], *fingers("left")]))
+    depths: list[float] = []
+    for pose in shown[::2]:
+        points = frame_of(TAP).inverse().apply(skin.posed(pose.rotations, pose.root, chosen))
+        within = ((points > body_of_it.min(axis=(0, 1))) & (points < body_of_it.max(axis=(0, 1)))).all(axis=-1)
+        depths.append(-float(outside(points[within], body_of_it).min()) if within.any() else 0.0)
+    assert max(depths) < 0.002, int(np.argmax(depths))
 
 
 def test_it_is_refused_from_afar_while_carried_and_without_a_shape() -> None:
