@@ -32,6 +32,9 @@ _AT_ONCE = 2  # frames that are worked out before they are shown
 _MOVES = 0.15  # metres that a hand may go farther aside: what is farther off is not looked at
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf) is not in its way
 _GOES = 0.1  # metres in the frames that are looked ahead: who goes less far stands more or less
+# Metres aside at which it counts in full; how much it then does: more than that of who keeps the arm as it is and does not
+# know where the body goes.
+_ALL, _CARES = 0.04, 400.0
 _OTHERS = 0.6  # radians from how it was left: an arm that is so far off is another motion's
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
 
@@ -122,7 +125,8 @@ class _Held:
             self._given = with_hand_moved(self._reacher, rotations[k], root[k], moved)
             rows[k, _ROTATIONS].reshape(43, 4)[links] = self._given
             cares = slice(_IMPORTANCE + links.start, _IMPORTANCE + links.stop)
-            rows[k, cares] = np.maximum(rows[k, cares], 1.0)
+            share = min(float(np.linalg.norm(moved)) / _ALL, 1.0)
+            rows[k, cares] = np.maximum(rows[k, cares], _CARES * share)
 
     def _is_anothers(self) -> bool:
         """Whether the arm is not where it was left."""

@@ -17,6 +17,8 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
 FINGERS = ("index", "middle", "ring", "little")
+LEVER, LEVEL = 0.04, 0.1  # metres on a lever that a palm may be off its site; of its direction, its z at the most
+FIST = {"right": np.array([0.0175, -0.0165, 0.0]), "left": np.array([0.0175, 0.0165, 0.0])}  # its middle, in the palm's
 LARGEST = 1.75  # radians that a door opens, where its state `angle` does not say
 
 
@@ -26,7 +28,10 @@ def door(task: ObjectTask) -> Iterator[ObjectPose]:
     angle = float(task.object.states.get("angle", 0.0))
     closed = Transform(task.object.place.copy(), multiply(task.object.rotation, from_axis_angle(UP, -angle)))
     names = (task.message.site, f"{task.message.site}_back")
-    knobs = np.array([task.object.sites[name].position for name in names if name in task.object.sites])
+    sites = [task.object.sites[name] for name in names if name in task.object.sites]
+    knobs = np.array([site.position for site in sites])
+    along = rotate(np.array([site.rotation for site in sites]), UP)  # of a lever, its z
+    along[np.abs(along @ UP) > LEVEL] = 0.0
     held: Array | None = None  # the knob's place as the palm has it, from the moment that it is held
     from_hand, held_by = 0.0, ""  # what the door's angle is beyond that place's bearing
     for human in task.frames():
@@ -39,7 +44,11 @@ def door(task: ObjectTask) -> Iterator[ObjectPose]:
             held, held_by = None, ""
         else:
             if held is None:
-                knob = at[np.linalg.norm(at - palms[side], axis=1).argmin()]
+                nearest = int(np.linalg.norm(at - palms[side], axis=1).argmin())
+                lever = rotate(from_axis_angle(UP, angle), along[nearest])
+                fist = closed.inverse().apply(human.grip(side).apply(FIST[side]))
+                off = float(np.clip((fist - at[nearest]) @ lever, -LEVER, LEVER))
+                knob = at[nearest] + off * lever  # where on it the fist is
                 held, held_by = human.grip(side).inverse().apply(closed.apply(knob)), side
                 from_hand = angle - _bearing(knob)
             # The palm may turn on the knob: what goes along the arc is the place where it has it.

@@ -26,6 +26,7 @@ STANDS = {
     (1, "left"): ((0.34, 0.51, -101.0), (-0.33, 0.61, -58.0), (50.0, 0.0)),
 }
 THERE = 0.15  # metres from where one stands to have the lever in hand
+LEVEL = 0.1  # of a lever's direction, its z at the most
 TURNS_ALONG = 0.5  # of the leaf's turn that the palm makes on the lever, even at half the way
 
 
@@ -34,8 +35,8 @@ class Door:
     """A door, and from which side it is taken.
 
     closed: its frame when it is closed. angle, wanted: radians, now and then. side: on which one is, -1 or 1. lever:
-    (3,) on that side, in the leaf's frame. width: of the leaf, metres.
-    hand: that takes it.
+    (3,) on that side, in the leaf's frame. end: (3,) the way along it from its spindle to its end, in the leaf's frame;
+    0 of a knob. width: of the leaf, metres. hand: that takes it, so many metres farther to its end than `lever`.
     """
 
     name: str
@@ -44,8 +45,10 @@ class Door:
     wanted: float
     side: int
     lever: Array
+    end: Array
     width: float
     hand: str
+    farther: float = 0.0
 
     def stand(self, angle: float) -> Goal:
         """Where one stands to have the lever in hand at an angle."""
@@ -69,7 +72,8 @@ class Door:
         yaw = self.yaw(angle)
         own = from_axis_angle(np.broadcast_to(UPWARD, (*angle.shape, 3)), yaw)
         turned = multiply(own, palm.rotation)
-        around = rotate(leaf, self.lever) + rotate(own, palm.place - self.lever)
+        held = self.lever + self.farther * self.end
+        around = rotate(leaf, held) + rotate(own, palm.place - self.lever)
         places = around - before[:, None] * rotate(turned, np.array([1.0, 0.0, 0.0]))
         inner = Transform(places, turned)
         return Transform(
@@ -95,7 +99,9 @@ def door_of(task: HumanTask) -> Door:
     def taken_from(side: int) -> Door:
         site = thing.sites[max(names, key=lambda name: side * thing.sites[name].position[1])]
         wanted, hand = task.parameter("to", 0.0), _hand(task)
-        return Door(thing.name, closed, angle, wanted, side, np.array(site.position), width, hand)
+        end = rotate(np.array(site.rotation), np.array([0.0, 0.0, -1.0]))  # of a lever's frame z leads to the spindle
+        end = end if abs(float(end @ UPWARD)) < LEVEL else np.zeros(3)
+        return Door(thing.name, closed, angle, wanted, side, np.array(site.position), end, width, hand)
 
     # Who has pushed it open stands where its leaf was, and is still before it.
     before, root = taken_from(-1), task.start.root

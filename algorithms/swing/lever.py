@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from doors import STANDS, UPWARD, Door
 
@@ -17,13 +19,53 @@ from ahmss.reaching.reacher import Reacher
 DIAMETER, INTO_FINGERS = 0.022, 0.0165  # metres: of a lever that does not say; how far it lies towards the fingers
 PALM, SKIN = 0.0065, 0.003  # metres that palm and fingers are thicker than they are told to be
 FISTS = 17  # angles of the leaf at which the fingers are closed about the lever
+FARTHER, DEEP = (0.0, 0.015, 0.03), 0.0015  # metres along the lever that are tried; that fingers may be in the door
 EVERY = 4  # of them: at those between, the fingers are taken to be between before they close onto the lever's own shape
 
 
-def grip(task: HumanTask, door: Door) -> Steps[tuple[Transform, Array]]:
-    """The palm squarely on the lever, in the closed leaf's frame, from before and above; and the fingers (m, 14, 4)
-    closed about it at even shares of the leaf's way.
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """How a hand is on a door's lever.
+
+    door: with the place on the lever. palm: squarely on it, in the closed leaf's frame, from before and above. fists:
+    (m, 14, 4) the fingers closed about it at even shares of the leaf's way.
     """
+
+    door: Door
+    palm: Transform
+    fists: Array
+
+    def palms(self, angle: Array, before: Array) -> Array:
+        """The palm (n, 7) on the lever at angles (n), drawn back by metres (n)."""
+        return self.door.palms(self.palm, angle, before)
+
+
+def grip(task: HumanTask, door: Door) -> Steps[Grip]:
+    """The grip on the middle of the lever; farther to its end where fingers would be in its plate or in the leaf."""
+    best: tuple[float, Grip] | None = None
+    for farther in FARTHER if door.end.any() else FARTHER[:1]:
+        made = yield from _grip(task, replace(door, farther=farther))
+        deep = _deep(task, made)
+        if best is None or deep < best[0]:
+            best = deep, made
+        if deep < DEEP:
+            break
+        yield
+    assert best is not None
+    return best[1]
+
+
+def _deep(task: HumanTask, made: Grip) -> float:
+    """Metres by which the closed fingers are in the door at some of the angles, where its shape is known."""
+    thing, door = task.object, made.door
+    if thing is None or thing.shape is None:
+        return 0.0
+    palms = _on_leaf(door, made.palm, np.linspace(door.angle, door.wanted, len(made.fists)))
+    return Hand.of(task.human, door.hand).depth(thing.shape.field(door.lever), palms, made.fists)
+
+
+def _grip(task: HumanTask, door: Door) -> Steps[Grip]:
+    """The grip at a place of the lever."""
     assert task.object is not None
     side, into = door.hand, np.array([0.0, -float(door.side), 0.0])
     thumb = np.cross(into, UPWARD) * (1.0 if side == "left" else -1.0)
@@ -46,7 +88,7 @@ def grip(task: HumanTask, door: Door) -> Steps[tuple[Transform, Array]]:
     at = np.arange(FISTS) / EVERY
     first = np.minimum(at.astype(np.intp), len(some) - 2)
     fists = slerp(np.stack(some)[first], np.stack(some)[first + 1], (at - first)[:, None])
-    return palm, (yield from _by_shape(task, door, palm, angle, fists))
+    return Grip(door, palm, (yield from _by_shape(task, door, palm, angle, fists)))
 
 
 def _too_deep(task: HumanTask, door: Door, palm: Transform, angle: Array) -> float:

@@ -18,6 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.controls import begun_at
+from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.meanwhile import Thinking, alongside
 from ahmss.algorithm.pacing import paced
 from ahmss.algorithm.reaching import Looking
@@ -60,7 +61,15 @@ SOFT, PADDED, EDGE = 9.0, 60, 0.3  # frames by which the leaf's way is smoothed;
 
 
 def swing(task: HumanTask) -> Iterator[Array]:
-    """Frames (n, 260): steps to the lever, the hand takes it, steps with it, lets it go."""
+    """Frames (n, 260): steps to the lever, the hand takes it, steps with it, lets it go.
+
+    What the other hand holds is kept out of frame and leaf.
+    """
+    return kept_clear(task, _swing(task))
+
+
+def _swing(task: HumanTask) -> Iterator[Array]:
+    """The frames (n, 260)."""
     walk_library(task)
     door = door_of(task)
     if task.length:
@@ -152,11 +161,6 @@ class Taking:
         made[:, 260:] = ways_of(made[:, 1:3], 0, len(made), task.rate).reshape(len(made), -1)
         return made
 
-    @property
-    def palm(self) -> Transform:
-        """The palm squarely on the lever, in the closed leaf's frame."""
-        return self.grip.found[0]
-
     def _comes(self, stance: Stance) -> Steps[Part]:
         """The hand comes to the lever and closes."""
         return self._clear(partial(self._coming, stance), self.door.angle, self._fist(np.zeros(1))[0])
@@ -198,7 +202,7 @@ class Taking:
         begin, end = places[0], places[-1]
         n = len(rows)
         share = self._shares(rows, begin.place, end.place)
-        palms = door.palms(self.palm, door.angle + share * (door.wanted - door.angle), np.zeros(n))
+        palms = self.grip.found.palms(door.angle + share * (door.wanted - door.angle), np.zeros(n))
         return (rows, palms, self._fist(share), np.ones(n)), stance, ends
 
     def _fist(self, share: Array) -> Array:
@@ -206,7 +210,7 @@ class Taking:
 
         The palm turns on the lever meanwhile: the fingers that come to lie nearer to it are less bent.
         """
-        fists = self.grip.found[1]
+        fists = self.grip.found.fists
         at = share * (len(fists) - 1)
         first = np.minimum(at.astype(int), len(fists) - 2)
         return slerp(fists[first], fists[first + 1], (at - first)[:, None])
@@ -247,7 +251,7 @@ class Taking:
         as_steps = np.maximum.accumulate(np.clip((root[:, :2] - begin) @ way / (way @ way), 0.0, 1.0))
         tried = np.linspace(0.0, 1.0, TRIED)
         angle = door.angle + tried * (door.wanted - door.angle)
-        wrist, _ = self.reacher.hand(door.palms(self.palm, angle, np.zeros(TRIED)))
+        wrist, _ = self.reacher.hand(self.grip.found.palms(angle, np.zeros(TRIED)))
         shoulder = self.reacher.shoulder(seat(skeleton, rotations, root))
         stretched = np.linalg.norm(shoulder[:, None] - wrist, axis=-1) / self.reacher.length
         place = door.closed.inverse().apply(root)[:, None, :2]
@@ -284,7 +288,7 @@ class Taking:
 
     def _off(self, angle: float, back: Array, out: Array) -> Array:
         """Palms (n, 7) at an angle of the leaf, metres (n) back from the lever and metres (n) farther out of it."""
-        palms = self.door.palms(self.palm, np.full(len(back), angle), back)
+        palms = self.grip.found.palms(np.full(len(back), angle), back)
         palms[:, :3] += out[:, None] * rotate(self.door.leaf(angle).rotation, np.array([0.0, self.door.side, 0.0]))
         return palms
 

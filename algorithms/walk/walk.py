@@ -49,7 +49,7 @@ def _walk(task: HumanTask) -> Iterator[Array]:
         task.human, library, ground, goal.place, goal.facing, task.length, partial(in_the_way, task),
         task.note, task.busy, lambda: task.rests, in_hands(task),
     )  # fmt: skip
-    tucking = Tucking(task)
+    tucking = Tucking(task, lets_down=True)
     for piece in trip.pieces(task.start.rotations, task.start.root):
         shown = yield from in_time(piece, tucking.over(rows_of(task, piece)))
         tucking.keep(shown)
