@@ -36,7 +36,6 @@ _SEEN = 40  # frames that are looked ahead
 _LAG, _LAG_COMING = 0.09, 0.16
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
 _COMES, _MOVES, _STRAY = 60, 0.02, 0.1  # frames, radians, radians: what sets out from elsewhere comes, and how straight
-_ON_WAY = (0.5, 1.0)  # shares of it at which a hand that is let down is looked at
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _RESTS = 1e-6  # by so little the arms of who stands go on: they have come to where they stay
 _NONE = 1e-4  # so little an arm is not drawn in any more
@@ -51,17 +50,16 @@ class Tucking:
     """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone.
 
     first: frames in which it is careful, as who sets out from beside a thing turns there. but: an arm that is left
-    alone as well, and with it the task's object, which it moves. lets_down: whether the steps let arms hang whose hands
-    hold something: where such a hand is over a thing it stays as it is until there is room.
+    alone as well, and with it the task's object, which it moves.
     """
 
-    def __init__(self, task: HumanTask, first: int = _FIRST, but: str = "", *, lets_down: bool = False) -> None:
+    def __init__(self, task: HumanTask, first: int = _FIRST, but: str = "") -> None:
         self._first = first
         self._task = task
         self._given = self._first_given = np.zeros((0, 4))
         self._skeleton, self._coming = task.human, set[str]()
         self._rates = [1.0 - np.exp(-1.0 / (lag * task.rate)) for lag in (_LAG, _LAG_COMING)]
-        self._sides = [side for side in _SIDES if (side not in task.busy or lets_down) and side != but]
+        self._sides = [side for side in _SIDES if side not in task.busy and side != but]
         self._prisms = [prism for prism in prisms_of(task) if not (but and prism.sought)]
         self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
         self._level = {side: np.zeros(3) for side in _SIDES}
@@ -72,14 +70,11 @@ class Tucking:
         self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
         for side in self._already():
             self._level[side][:], self._wanted[side] = 1.0, True
-            self._pose[_arm(side)] = task.start.rotations[_arm(side)]  # it stays as it is
+            arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
+            self._pose[arm] = task.start.rotations[arm]  # it stays as it is
         self._lifted = self._over_something()
         for side in self._lifted:
             self._level[side][:], self._wanted[side] = 1.0, True
-        self._holding = [side for side in self._lifted if side in task.busy]
-        self._sides = [side for side in self._sides if side not in task.busy or side in self._holding]
-        for side in self._holding:
-            self._pose[_arm(side)] = task.start.rotations[_arm(side)]
 
     def _over_something(self) -> list[str]:
         """The arms whose hand is just over a thing as one sets out, a table, say: let down at once it goes through."""
@@ -136,9 +131,6 @@ class Tucking:
     def _made(self, rows: Array, others: Sequence[str], begun: int) -> Array:
         """The rows, the arms drawn in but those that are others'; `begun`: frames of the walk before these."""
         root, rotations = rows[:, 1:4], rows[:, 4:176].reshape(-1, 43, 4)
-        for side in [side for side in self._holding if self._level[side].max() < _NONE]:  # it hangs
-            self._holding.remove(side)
-            self._sides.remove(side)
         for after in self._after.values():
             after.clear()
         near = _about(self._prisms, root)
@@ -158,27 +150,15 @@ class Tucking:
                 self._hanging[side].forget()
             else:
                 gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
-                if side in self._holding:
-                    gap = np.minimum(gap, self._gap_on_way(near, rotations, root, side))
                 share = np.array(self._levels(side, gap, begun))
-            arm = _arm(side)
+            arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
             end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
             out[:, arm] = slerp(rotations[:, arm], end, share[:, None])
-            if side not in others and side not in self._holding:  # what is in a hand is kept clear with it
+            if side not in others:
                 share = np.maximum(share, self._hanging[side].over(near, out, root))
             made[:, 176 + arm.start : 176 + arm.stop] += _CARES * share[:, None]
         made[:, 4:176] = out.reshape(-1, 172)
         return made
-
-    def _gap_on_way(self, near: Sequence[Prism], rotations: Array, root: Array, side: str) -> Array:
-        """How far from things (n) a hand is on its way down from where it holds something in poses (n, 43, 4), (n, 3)."""
-        gaps, arm = [], _arm(side)
-        for share in _ON_WAY:
-            some = rotations.copy()
-            some[:, arm] = slerp(some[:, arm], np.broadcast_to(self._pose[arm], some[:, arm].shape), share)
-            places, turned = forward(some, root, self._skeleton.offsets)
-            gaps.append(clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1))
-        return np.min(gaps, axis=0)
 
     def _others(self, begun: int) -> list[str]:
         """The arms that another motion has: they are not where the last piece has left them, and do not come.
@@ -218,11 +198,6 @@ class Tucking:
             wanted = float(level[i])
         self._after[side].append((level.copy(), self._wanted[side]))
         return wanted
-
-
-def _arm(side: str) -> slice:
-    """The links of an arm."""
-    return slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
 
 
 def _angles(a: Array, b: Array) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.keeping import kept_clear
+from ahmss.algorithm.letting_down import let_down
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.stepping import ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
 from ahmss.algorithm.tucking import Tucking
@@ -30,7 +31,7 @@ UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else
 
 def walk(task: HumanTask) -> Iterator[Array]:
     """The frames of the walk, a step at a time, what hands hold kept out of things beside it."""
-    return kept_clear(task, _walk(task))
+    return kept_clear(task, let_down(task, _walk(task)))
 
 
 def _walk(task: HumanTask) -> Iterator[Array]:
@@ -49,7 +50,7 @@ def _walk(task: HumanTask) -> Iterator[Array]:
         task.human, library, ground, goal.place, goal.facing, task.length, partial(in_the_way, task),
         task.note, task.busy, lambda: task.rests, in_hands(task),
     )  # fmt: skip
-    tucking = Tucking(task, lets_down=True)
+    tucking = Tucking(task)
     for piece in trip.pieces(task.start.rotations, task.start.root):
         shown = yield from in_time(piece, tucking.over(rows_of(task, piece)))
         tucking.keep(shown)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import Transform, frames
+from ahmss.algorithm.letting_down import let_down
 from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.inertialisation import Inertialiser
@@ -175,6 +176,58 @@ def test_a_hand_that_comes_from_elsewhere_is_drawn_in_no_faster_than_arms_move()
 def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_alone() -> None:
     for at in (palms(walked(np.array([2.0, 1.2, 0.0]))), palms(walked(np.array([2.86, 0.25, 0.0]), "right"))):
         np.testing.assert_allclose(at[-1], at[0], atol=1e-9)
+
+
+def over_the_sink(hand: str) -> tuple[HumanTask, HumanFrame, np.ndarray]:
+    """A task of one at the sink, hands busy that hold something; how it is with the right one over it; arms that hang."""
+    task, rows = stood(np.array([2.8, 0.25, 0.0]), hand)
+    row, targets = task.start.row.copy(), np.zeros((5, 8))
+    ahead = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # the palm to the sink, the thumb up
+    targets[0, :3], targets[0, 3:7], targets[0, 7] = [3.15, 0.35, 1.02], from_matrix(ahead), 1.0
+    row[4:176] = solve(task.human, row[4:176].reshape(43, 4), row[1:4], targets).reshape(172)
+    return task, HumanFrame(row), rows[:1]
+
+
+def going_off(hanging: np.ndarray, frames: int = 200) -> np.ndarray:
+    """Rows (n, 260) of one who walks off the sink, the arms hanging."""
+    rows = np.repeat(hanging, frames, axis=0)
+    rows[:, 1] -= 0.9 * minimum_jerk(np.arange(-40, frames - 40) / 100)
+    return rows
+
+
+def in_the_sink(task: HumanTask, rows: np.ndarray) -> float:
+    """Metres by which skin of the right arm is in the sink at the most."""
+    points, radii = skin_of(Reacher.of(task.human, "right"), rows[:, 4:176].reshape(-1, 43, 4), rows[:, 1:4])
+    return float((radii - clearance(prisms(record(SINK)), points)).max())
+
+
+def test_a_hand_that_holds_something_over_a_thing_is_let_down_where_there_is_room() -> None:
+    task, held, hanging = over_the_sink("right")
+    task.start = task.present = held
+    made = []
+    for some in let_down(task, iter(np.split(going_off(hanging), 5))):
+        made.append(some)
+        task.present = HumanFrame(some[-1])
+    rows = np.concatenate(made)
+    at = palms(rows)[:, 0] - rows[:, 1:4]
+    np.testing.assert_allclose(at[:30], np.broadcast_to(at[0], (30, 3)), atol=1e-6)
+    assert at[-1, 2] < at[0, 2] - 0.2
+    assert in_the_sink(task, rows) < 0.0
+    assert np.abs(np.diff(at, n=2, axis=0)).max() < 0.003  # softly
+
+
+@pytest.mark.parametrize("ends", [70, 95])
+def test_an_arm_over_a_thing_that_another_motion_has_had_is_let_down_where_there_is_room(ends: int) -> None:
+    task, held, hanging = over_the_sink("")
+    rows, made = np.concatenate([np.repeat(hanging, 100, axis=0), going_off(hanging)]), []
+    for some in let_down(task, iter(np.split(rows, [100]))):  # in one piece, as a walk's end may be
+        made.append(some)
+        theirs = 20 < sum(map(len, made)) < ends  # a reach and a grasp
+        task.present = held if theirs else HumanFrame(some[-1])
+    after = np.concatenate(made)[ends:]
+    np.testing.assert_allclose(palms(after)[0, 0], palms(held.row[None])[0, 0], atol=1e-6)
+    assert in_the_sink(task, after) < 0.0
+    assert palms(after)[-1, 0, 2] < palms(after)[0, 0, 2] - 0.2
 
 
 def carried(leans: float, *, beside: bool) -> tuple[Body, list[np.ndarray], list[np.ndarray]]:

@@ -30,8 +30,9 @@ from tests.demo.skin import Skin
 from tests.grasping.shapes import kind, outside
 
 from .reached import TABLE, outlined, prisms
-from .scene import DOOR, WORKSPACE, Body, module, program, record
+from .scene import DOOR, WORKSPACE, Body, frame_of, module, program, record
 from .solids import JAMBS, LEAF, deepest
+from .test_keeping import holding
 
 SOLIDS = Solids(WORKSPACE)
 UP = np.array([0.0, 0.0, 1.0])
@@ -407,3 +408,30 @@ def _stands(body: Body) -> Iterator[Array]:  # -> Stance
     """No steps: one stands there."""
     yield from ()
     return stepping.Stance(body.rotations, body.root)
+
+
+@pytest.mark.parametrize("name", ["ken", pytest.param("aiko", marks=pytest.mark.long)])
+@pytest.mark.parametrize("action", ["open", pytest.param("close", marks=pytest.mark.long)])
+def test_no_finger_of_the_left_hand_is_in_the_door_while_it_turns(name: str, action: str) -> None:
+    made = swung(name, action, BEFORE, 90.0, seed=3, busy=("right",))
+    turns = np.flatnonzero(np.abs(np.diff(made.angle)) > 1e-4)
+    skin = Skin.read(WORKSPACE.humans.shape(name).glb, made.body.skeleton)
+    chosen = np.flatnonzero(np.isin(skin.link, [INDEX["left_hand"], *fingers("left")]))
+    door = kind("door")
+    for k in turns[:: len(turns) // 8].tolist():
+        points = skin.posed(made.shown[k + 1].rotations, made.shown[k + 1].root, chosen)
+        assert float(outside(made.leaf(k + 1).inverse().apply(points), door).min()) > -0.002, k
+
+
+@pytest.mark.parametrize("name", ["ken", pytest.param("aiko", marks=pytest.mark.long)])
+def test_a_hand_that_holds_something_goes_through_the_opening_and_not_through_its_frame(name: str) -> None:
+    doorway = frame_of("room/doorway")
+    x, y, _ = doorway.apply(np.array([-0.03, 0.42, 0.0])).tolist()
+    body = holding(name, "right", (x, y, -55.0))
+    start = body.start(DOOR, "open", states={"angle": 0.0}, hand="", busy=["right"])
+    assert start.object is not None
+    world = [outlined(record("room/doorway"), 20)]
+    start = msgspec.structs.replace(start, object=outlined(start.object, 3), world=world)
+    shown = body.do("swing", start)
+    depths = [(*deepest(name, pose, doorway, JAMBS), k) for k, pose in enumerate(shown[::4])]
+    assert max(depths)[0] < 0.002, max(depths)
