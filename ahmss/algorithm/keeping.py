@@ -25,15 +25,15 @@ from ahmss.reaching.skin import skin_of
 
 __all__ = ["kept_clear"]
 
-_AHEAD = (0, 5, 10, 15, 20)  # frames that are looked at
+_AHEAD = (0, 5, 10, 15, 20, 25, 30)  # frames that are looked at: who goes aside by a hand's breadth needs as many
 _GOES_ON = 10.0  # frames in which a hand comes to rest, as far as can be known where no more frames are
-_ON = _GOES_ON * (1.0 - np.exp(-np.arange(1.0, 21.0) / _GOES_ON))
+_ON = _GOES_ON * (1.0 - np.exp(-np.arange(1.0, _AHEAD[-1] + 1.0) / _GOES_ON))
 _AT_ONCE = 2  # frames that are worked out before they are shown
 _MOVES = 0.15  # metres that a hand may go farther aside: what is farther off is not looked at
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf) is not in its way
 _GOES = 0.1  # metres in the frames that are looked ahead: who goes less far stands more or less
-# Metres aside at which it counts in full; how much it then does: more than that of who keeps the arm as it is and does not
-# know where the body goes.
+# Metres aside at which it counts in full; how much it then does, more than that of who keeps the arm as it is and does
+# not know where the body goes.
 _ALL, _CARES = 0.04, 400.0
 _OTHERS = 0.6  # radians from how it was left: an arm that is so far off is another motion's
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
@@ -63,7 +63,7 @@ def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
 
 
 def _soon(task: HumanTask, row: Array) -> Array | None:
-    """How far (20, 1, 3) the body goes in the frames after a POSE (260,) or (272,), as its way tells, if it does."""
+    """How far (30, 1, 3) the body goes in the frames after a POSE (260,) or (272,), as its way tells, if it does."""
     if len(row) <= _WAY or np.isnan(row[_WAY]):
         return None
     off = np.append(row[_WAY : _WAY + 2] - row[1:3], 0.0)
@@ -81,9 +81,9 @@ class _Held:
         self._task, self._given = task, task.start.rotations[self._reacher.links].copy()
 
     def way(self, rotations: Array, root: Array, soon: Array | None) -> Array:
-        """Points (n + 20, m, 3) of forearm, hand and what it holds in poses (n, 43, 4), (n, 3), and as they go on.
+        """Points (n + 30, m, 3) of forearm, hand and what it holds in poses (n, 43, 4), (n, 3), and as they go on.
 
-        soon: how far (20, 1, 3) the body is to go on from there, where that is known.
+        soon: how far (30, 1, 3) the body is to go on from there, where that is known.
         """
         reacher = self._reacher
         skin, self._radii = skin_of(reacher, rotations, root)
@@ -103,7 +103,7 @@ class _Held:
         return np.concatenate([points, points[-1] + (_ON[:, None, None] * speed if soon is None else soon)])
 
     def over(self, rows: Array, rotations: Array, root: Array, way: Array, first: int) -> None:
-        """Change rows (n, ...) of poses (n, 43, 4), (n, 3), from frame `first` of its points (N + 20, m, 3) on."""
+        """Change rows (n, ...) of poses (n, 43, 4), (n, 3), from frame `first` of its points (N + 30, m, 3) on."""
         links = self._reacher.links
         if self._is_anothers():
             self._aside = Aside(self._task.rate)

@@ -1,12 +1,11 @@
 """A hand on its way to a part of a thing goes round the rest of it: over a tap's spout, not through it, to its lever.
 
-What is in the way of a reach leaves out the thing that is sought, which fingers come close to; so what of it stays while
-its part is moved is looked at here, by its own shape.
+What is in the way of a reach leaves out the thing that is sought, which fingers come close to; so what of it stays
+while its part is moved is looked at here, by its own shape.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -63,11 +62,11 @@ class Rest:
         palms = plan.palms(_TIME)
         return self._depth(plan.reacher.side, palms[:-1], shapes[:-1])
 
-    def depth(self, side: str, rotations: Sequence[Array], root: Sequence[Array]) -> float:
+    def depth(self, side: str, rotations: Array, root: Array) -> float:
         """Metres by which a hand is in the rest, at the most, in frames (n, 43, 4), (n, 3); 0 where in none."""
         if self._field is None:
             return 0.0
-        seen, at = np.asarray(rotations)[::_EVERY], np.asarray(root)[::_EVERY]
+        seen, at = rotations[::_EVERY], root[::_EVERY]
         palms = grips(self._task.human, seen, at)[:, 0 if side == "right" else 1]
         return max(self._depth(side, palms, seen[:, list(fingers(side))]) - _SOME, 0.0)
 

@@ -69,7 +69,7 @@ class TargetShape:
 
     @cached_property
     def rest(self) -> TargetShape | None:
-        """What of it stays where parts of it are moved, a tap without its lever; None where it has no parts, or no more.
+        """What of it stays as its parts are moved, a tap without its lever; None where it has none, or nothing else.
 
         Raises:
             DataError: the shape can't be read.

@@ -58,7 +58,7 @@ class GoingOn(Reaching):
         return (posture, palms[other], so) if there < cost else (found[0], palms[best], arm)
 
     def _along(self, reacher: Reacher, palms: Array, posture: Posture) -> tuple[float, int, Stretch]:
-        """What the easiest of palms (n, 7) costs on its way in a posture, which it is, and how the arm begins with it."""
+        """What the easiest of palms (n, 7) costs on its way in a posture, which it is, and how the arm begins so."""
         seen = looking(reacher.skeleton, posture.rotations, posture.root, palms[0, :3])
         spine = seat(reacher.skeleton, seen, posture.root)
         places = np.concatenate([palms[None], self._on(palms)])

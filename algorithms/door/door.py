@@ -17,7 +17,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
 FINGERS = ("index", "middle", "ring", "little")
-LEVER, LEVEL = 0.04, 0.1  # metres on a lever that a palm may be off its site; of its direction, its z at the most
+LEVEL = 0.1  # of a lever's direction, its z at the most
 FIST = {"right": np.array([0.0175, -0.0165, 0.0]), "left": np.array([0.0175, 0.0165, 0.0])}  # its middle, in the palm's
 LARGEST = 1.75  # radians that a door opens, where its state `angle` does not say
 
@@ -30,9 +30,9 @@ def door(task: ObjectTask) -> Iterator[ObjectPose]:
     names = (task.message.site, f"{task.message.site}_back")
     sites = [task.object.sites[name] for name in names if name in task.object.sites]
     knobs = np.array([site.position for site in sites])
-    along = rotate(np.array([site.rotation for site in sites]), UP)  # of a lever, its z
-    along[np.abs(along @ UP) > LEVEL] = 0.0
-    held: Array | None = None  # the knob's place as the palm has it, from the moment that it is held
+    is_lever = np.abs(rotate(np.array([site.rotation for site in sites]), UP)[:, 2]) < LEVEL  # z goes along one
+    # What of the knob, or where on the lever, the palm has from the moment that it is held, in the palm's frame.
+    held: Array | None = None
     from_hand, held_by = 0.0, ""  # what the door's angle is beyond that place's bearing
     for human in task.frames():
         palms = {side: closed.inverse().apply(human.grip(side).place) for side in sides}
@@ -45,12 +45,10 @@ def door(task: ObjectTask) -> Iterator[ObjectPose]:
         else:
             if held is None:
                 nearest = int(np.linalg.norm(at - palms[side], axis=1).argmin())
-                lever = rotate(from_axis_angle(UP, angle), along[nearest])
-                fist = closed.inverse().apply(human.grip(side).apply(FIST[side]))
-                off = float(np.clip((fist - at[nearest]) @ lever, -LEVER, LEVER))
-                knob = at[nearest] + off * lever  # where on it the fist is
-                held, held_by = human.grip(side).inverse().apply(closed.apply(knob)), side
-                from_hand = angle - _bearing(knob)
+                held, held_by = FIST[side], side
+                if not is_lever[nearest]:
+                    held = human.grip(side).inverse().apply(closed.apply(at[nearest]))
+                from_hand = angle - _bearing(closed.inverse().apply(human.grip(side).apply(held)))
             # The palm may turn on the knob: what goes along the arc is the place where it has it.
             place = closed.inverse().apply(human.grip(side).apply(held))
             angle = float(np.clip(_bearing(place) + from_hand, 0.0, LARGEST))

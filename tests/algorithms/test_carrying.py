@@ -179,7 +179,7 @@ def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_
 
 
 def over_the_sink(hand: str) -> tuple[HumanTask, HumanFrame, np.ndarray]:
-    """A task of one at the sink, hands busy that hold something; how it is with the right one over it; arms that hang."""
+    """A task of one at the sink, one hand busy if it is named; how the right one is over it; a row of hanging arms."""
     task, rows = stood(np.array([2.8, 0.25, 0.0]), hand)
     row, targets = task.start.row.copy(), np.zeros((5, 8))
     ahead = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # the palm to the sink, the thumb up
