@@ -6,7 +6,6 @@ while its part is moved is looked at here, by its own shape.
 
 from __future__ import annotations
 
-
 import numpy as np
 
 from ahmss.algorithm.place import Transform
@@ -18,6 +17,7 @@ from ahmss.body.quaternion import slerp
 from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.performing import SHAPED_BY
 from ahmss.reaching.plan import Plan
 
@@ -37,7 +37,7 @@ class Rest:
     def __init__(self, task: HumanTask) -> None:
         self._task, self._field = task, _field_of(task)
 
-    def round(self, plan: Plan, wide: Array, out: Array) -> Plan:
+    def round(self, plan: Plan, wide: Array, out: Array) -> Steps[Plan]:
         """The plan of a hand that opens to (14, 4) on the way, by the first way round the rest.
 
         out: (3,) level with where one stands, the way off the thing.
@@ -53,6 +53,7 @@ class Rest:
                     best = deep, way
                 if deep < -_AIR:
                     return way
+                yield
         return best[1]
 
     def _planned(self, plan: Plan, wide: Array) -> float:

@@ -206,7 +206,7 @@ def _tried(
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
         grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
-        plan = rest.round(plan, open_hand(task, plan.reacher.side, grip.holding), part.off)
+        plan = yield from gaze.during(rest.round(plan, open_hand(task, plan.reacher.side, grip.holding), part.off))
         yield from gaze.if_there_is_time()
         made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
         missed = _missed(task, part, plan, made)
