@@ -7,19 +7,19 @@ controls share, and an author may use.
 
 from __future__ import annotations
 
-import copy
 import itertools
 from collections.abc import Generator, Iterable, Sequence
 
 import numpy as np
 
+from ahmss.algorithm.begun import begun_at
 from ahmss.algorithm.box import Box, boxes_of, nearest
 from ahmss.algorithm.out_of_reach import MOST_MISSING
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.algorithm.sighting import Sighting
 from ahmss.algorithm.stepping import ground_of, stepped, walk_library, walkers
-from ahmss.algorithm.task import HumanFrame, HumanTask
+from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
@@ -34,7 +34,7 @@ from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free
 
 __all__ = [
-    "NEAR", "before", "begun_at", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
+    "NEAR", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
     "stance_at", "standing", "stood_before", "stretch_from",
 ]  # fmt: skip
 
@@ -176,15 +176,6 @@ def gone_to(
             moved = begun_at(task, end.value.rotations, end.value.root)
             return moved, watching.goes_on(moved)
         yield watching.over(rows)
-
-
-def begun_at(task: HumanTask, rotations: Array, root: Array) -> HumanTask:
-    """The task as one that begins in a pose (43, 4), (3,)."""
-    moved = copy.copy(task)
-    row = task.start.row.copy()
-    row[1:4], row[4:176] = root, rotations.reshape(172)
-    moved.start = HumanFrame(row)
-    return moved
 
 
 def _faces(task: HumanTask) -> bool:

@@ -6,6 +6,7 @@ how tall it is, nor where the object is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.edit import floor_frame, mirrored, part
 from ahmss.motion.planting import feet, plant, stance
+from ahmss.reaching.standing import Posture
 
 __all__ = ["Staged", "face", "lips", "mirrored", "part", "stage", "stands"]
 
@@ -41,7 +43,8 @@ class Staged:
 
     rotations (F, 43, 4), root (F, 3), importance (F, 44), contacts (F, 2). local (F, 5, 8): the targets as the clip
     has them; base: what they are relative to, one frame in the world or one a clip frame. feet (2, 7): where the
-    human's feet are now. planted: whether both stay there throughout.
+    human's feet are now. planted: whether both stay there throughout. towards: what the trunk is drawn towards on its
+    way to each of the frames, of who rises or crouches; empty: one does neither.
     """
 
     clip: Clip
@@ -50,6 +53,7 @@ class Staged:
     base: Transform | None
     feet: Array
     planted: bool
+    towards: Sequence[Posture | None] = ()
 
     @property
     def local(self) -> Array:

@@ -16,6 +16,7 @@ import shapely
 from ahmss.algorithm.giving_way import points_of
 from ahmss.algorithm.out_of_reach import walk_there
 from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.rising import crouches, risen
 from ahmss.algorithm.sitting import must_stand, stands
 from ahmss.algorithm.task import HumanTask
 from ahmss.algorithm.tucking import Tucking
@@ -60,11 +61,11 @@ def walk_library(task: HumanTask) -> Library:
     """The action's walk library.
 
     Raises:
-        AlgorithmError: it names none; or the human does not stand.
+        AlgorithmError: it names none; or the human neither stands nor crouches.
     """
     if task.library is None:
         raise AlgorithmError("walking needs a walk library as the action's motion; make one with `ahmss walk build`")
-    if not stands(task):
+    if not stands(task) and not crouches(task):
         raise AlgorithmError(must_stand(task, "walk"))
     return task.library
 
@@ -186,8 +187,8 @@ def stepped(
 ) -> Generator[Array, None, Stance]:
     """Frames of the steps to a place that is near, none where one stands there; then how one stands.
 
-    A hand that holds something stays as it is against the trunk, others are drawn in beside things. Who else is there
-    is gone round, or waited for.
+    A hand that holds something stays as it is against the trunk, others are drawn in beside things. Who crouches stands
+    up first. Who else is there is gone round, or waited for.
 
     Args:
         task: whose human stands.
@@ -200,7 +201,9 @@ def stepped(
         AlgorithmError: it is too far, or somebody stands in the way; says what to do.
         Rested: one was to come to rest, and stands.
     """
-    library, start = walk_library(task), task.start
+    library = walk_library(task)
+    task = yield from risen(task, IMPORTANCE, task.busy)
+    start = task.start
     standing = Standing.of(task.human, library)
     now = footing(task.human, start.rotations, start.root, standing)
     away = float(np.linalg.norm(goal.place - now.place))

@@ -25,6 +25,7 @@ from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import MARGIN, gaps
 from ahmss.reaching.standing import Posture, Standing
+from ahmss.reaching.trunk import trunk_points
 
 __all__ = ["Stretch", "looking", "overbent", "posture_for", "stretch_of", "sunk"]
 
@@ -40,8 +41,6 @@ _EASY, _TOO_FAR, _ARM, _INSIDE, _LIMIT = 4.0, 600.0, 0.15, 400.0, 3000.0
 _FLOOR, _ON_FLOOR = (0.1, 0.15), 10.0  # metres: so low, and over so many, an arm at ease is worth the knees' bending
 _HALF = 0.5
 _ROOM, _NOTHING = 0.02, 1e-6  # of the arm's length, by which an arm is to be less than bent altogether; metres
-_TRUNK = ("hips", "spine", "head", "right_lower_leg", "left_lower_leg")
-_THICK = np.array([0.10, 0.10, 0.09, 0.05, 0.05])  # metres
 _AT_ONCE, _KEPT = 24, 24  # palms whose skin is looked at together; that are tried in other postures too
 _LEGS = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_leg", "lower_leg", "foot")]
 
@@ -170,17 +169,17 @@ def _least(
     cost += (_ARM + low * (_ON_FLOOR - _ARM)) * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
     cost += _LIMIT * overbent(skeleton, seen) ** 2
     if prisms:
-        cost += _INSIDE * sunk(standing, made, prisms)
+        cost += _INSIDE * sunk(standing, Posture(seen, made.root), prisms)
     i = int(np.argmin(cost))
     return grid[i], Posture(standing.on_feet(made.rotations[i], made.root[i]), made.root[i])
 
 
 def sunk(standing: Standing, made: Posture, prisms: Sequence[Prism]) -> Array:
-    """How deep trunk and knees of postures (n) are in things, deeper than they are already: squares (n), added up."""
-    offsets, links = standing.skeleton.offsets, [INDEX[name] for name in _TRUNK]
-    before = forward(standing.base.rotations, standing.base.root, offsets)[0][links]
-    places = forward(made.rotations, made.root, offsets)[0][:, links]
-    gap = clearance(prisms, np.concatenate([before[None], places]), max(_THICK)) - _THICK
+    """How deep trunk, head and knees of postures (n) are in things, deeper than they are already: squares (n) added."""
+    base = standing.base
+    before, thick = trunk_points(standing.skeleton, base.rotations, base.root)
+    places, _ = trunk_points(standing.skeleton, made.rotations, made.root)
+    gap = clearance(prisms, np.concatenate([before[None], places]), max(thick)) - thick
     return (np.maximum(np.minimum(gap[0], 0.0) - gap[1:], 0.0) ** 2).sum(axis=-1)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
+from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import Steps
@@ -23,6 +23,7 @@ from ahmss.reaching.prism import Prism, in_the_way, over_hand
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import Posture, Standing
+from ahmss.reaching.trunk_way import between, drawn_towards
 from ahmss.reaching.waist import bent_towards
 
 __all__ = ["HAND_BY", "Found", "Plan", "Reaching"]
@@ -48,7 +49,8 @@ class Plan:
     hands (2, 7): the palms at the start, as they are shown. palm (7,): where the one comes to. curve: its way.
     arm: how it then is. leant: radians that hips or spine turn. near: what is to be kept clear of. others: ways for
     where the arm itself does not keep clear on this one, or would have to flip, the best first. short: metres that the
-    hand stops before where it was to come to.
+    hand stops before where it was to come to. towards: the posture that the trunk is drawn towards on its way; None: it
+    goes straight.
     """
 
     reacher: Reacher
@@ -63,6 +65,7 @@ class Plan:
     near: Sequence[Prism]
     others: Sequence[Curve] = ()
     short: float = 0.0
+    towards: Posture | None = None
 
     @property
     def helped(self) -> bool:
@@ -86,12 +89,7 @@ class Plan:
 
     def trunk(self, time: Array) -> Posture:
         """Hips, spine and root at shares of the time (n); the rest as at the start."""
-        done = minimum_jerk(time)
-        rotations = np.repeat(self.start.rotations[None], len(time), axis=0)
-        for link in (0, _SPINE):
-            rotations[:, link] = slerp(self.start.rotations[link], self.end.rotations[link], done)
-        root = self.start.root + done[:, None] * (self.end.root - self.start.root)
-        return Posture(rotations, root)
+        return between(self.start, self.end, self.towards, minimum_jerk(time))
 
     def palms(self, time: Array) -> Array:
         """The palm (n, 7) at shares of the time (n)."""
@@ -171,6 +169,11 @@ class Reaching:
         family = curves(start, palm, self.heading)
         near = self._near(reacher, prisms, palm)
         plan = Plan(reacher, self.standing, self.start, end, hands, palm, family[0], arm, leant, near)
+        if self.standing is not None and plan.helped:
+            yield
+            around = in_the_way(prisms, self.start.root, self.start.root)
+            towards = yield from drawn_towards(self.standing, self.start, end, gaze, around)
+            plan = replace(plan, towards=towards)
         trunk = plan.trunk(np.linspace(0.0, 1.0, _SAMPLES))
         seen = looking(self.skeleton, trunk.rotations, trunk.root, gaze)
         seats = seat(self.skeleton, seen, trunk.root)

@@ -13,7 +13,8 @@ from math import ceil
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.controls import begun_at, gone_to
+from ahmss.algorithm.begun import begun_at
+from ahmss.algorithm.controls import gone_to
 from ahmss.algorithm.pinching import Part, pinched
 from ahmss.algorithm.reaching import Looking
 from ahmss.algorithm.seat_room import drawn_back

@@ -2,7 +2,8 @@
 
 Every keyframe is reached at rest along a minimum-jerk profile. Hands with a target go there along their own path, the
 orientation set before the place; the gaze goes first. Nothing here depends on what happens meanwhile, so the frames are
-computed in two blocks; but what goes to the face of who is carried is computed frame by frame, for the face goes along.
+computed in blocks, all but a few in one; but what goes to the face of who is carried is computed frame by frame, for
+the face goes along.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ahmss.algorithm.hanging import Hanging
 from ahmss.algorithm.out_of_reach import come_nearer
 from ahmss.algorithm.reaching import prisms_of
 from ahmss.algorithm.staging import Staged, face, stage
+from ahmss.algorithm.trunk_clear import trunk_kept_clear
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
@@ -26,9 +28,12 @@ from ahmss.body.quaternion import slerp as interpolate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.standing import Posture
+from ahmss.reaching.trunk_way import between
 
 HANDS = ("right", "left")
 GAZE = 4
+TRUNK = [INDEX["hips"], INDEX["spine"]]
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
 HELD_WITHIN = 0.97  # of the arm's length: how far off what is held is at the most, once it is raised
 MOST_MISSED = 0.06  # metres that are not told of: who was carried to a thing can't lean as who stands before it does
@@ -60,10 +65,18 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     frames = np.arange(1, task.length + 1)
     if not task.carried:  # who is carried comes nearer, or goes away
         _check_reach(task, staged)
-        idle = _Idle(task, staged)
-        yield idle.over(_block(task, staged, frames[:1]))
-        if task.length > 1:
-            yield idle.over(_block(task, staged, frames[1:]))
+        idle, k = _Idle(task, staged), 0
+        work = trunk_kept_clear(task, staged)
+        while k < task.length:
+            yield idle.over(_block(task, staged, frames[k : k + 1]))  # as soon after the start it is hardly elsewhere
+            k += 1
+            try:
+                next(work)
+            except StopIteration as found:
+                staged = found.value
+                break
+        if k < task.length:
+            yield idle.over(_block(task, staged, frames[k:]))
         return
     if staged.clip.header.targets == "face":
         yield from _on_the_way(task, staged, frames)
@@ -130,11 +143,31 @@ def _poses(
     rotations = interpolate(start[key], staged.rotations[key], course.done[:, None])
     way = np.concatenate([task.start.root[None], staged.root])
     root = way[key] + course.done[:, None] * (staged.root[key] - way[key])
+    for k, towards in enumerate(staged.towards):
+        (some,) = np.nonzero(key == k)
+        ends = Posture(start[k], way[k]), Posture(staged.rotations[k], staged.root[k])
+        made = between(*ends, towards, course.done[some])
+        rotations[np.ix_(some, TRUNK)], root[some] = made.rotations[:, TRUNK], made.root
     given = staged.clip.importance
     importance = given[before] + course.done[:, None] * (given[key] - given[before])
     if base is None:
         base = face(task, rotations, root) if staged.clip.header.targets == "face" else staged.base
-    return rotations, root, importance, _targets(task, staged, course, base)
+    targets = _targets(task, staged, course, base)
+    if staged.towards:
+        some = targets[:, : len(HANDS), 7] > 0.0
+        targets[:, : len(HANDS), :3][some] += _bowed(task, staged, course, Posture(rotations, root))[some]
+    return rotations, root, importance, targets
+
+
+def _bowed(task: HumanTask, staged: Staged, course: Course, made: Posture) -> Array:
+    """How far (n, 2, 3) right and left shoulder are from the straight way between keyframes: their hands go along."""
+    way = np.concatenate([task.start.root[None], staged.root])
+    keys = np.concatenate([task.start.rotations[None], staged.rotations])
+    joints = [INDEX[f"{side}_upper_arm"] for side in HANDS]
+    stops = forward(keys, way, task.human.offsets)[0][:, joints]
+    before = stops[course.key]
+    straight = before + course.done[:, None, None] * (stops[course.key + 1] - before)
+    return forward(made.rotations, made.root, task.human.offsets)[0][:, joints] - straight
 
 
 def _last(clip: Clip) -> Clip:

@@ -15,7 +15,8 @@ from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.keeping import kept_clear
 from ahmss.algorithm.letting_down import let_down
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.stepping import ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
+from ahmss.algorithm.rising import risen
+from ahmss.algorithm.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -35,8 +36,9 @@ def walk(task: HumanTask) -> Iterator[Array]:
 
 
 def _walk(task: HumanTask) -> Iterator[Array]:
-    """The frames, a step at a time."""
+    """The frames, a step at a time; who crouches stands up first."""
     library = walk_library(task)
+    task = yield from risen(task, IMPORTANCE)
     ground = ground_of(task)
     goal = _goal(task, ground)
     check_distance(goal.place, task.start.root[:2])
