@@ -1,4 +1,4 @@
-"""Who crouches, as after something was taken from the floor, stands up before going anywhere.
+"""Who crouches, as after something was taken from the floor, stands up before going anywhere; hands are drawn in.
 
 What the shipped algorithms that take the body somewhere share, and an author may use.
 """
@@ -30,9 +30,10 @@ from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.trunk_way import between, drawn_towards
 from ahmss.walking.library import BODY
 
-__all__ = ["at_ease_on", "crouches", "risen"]
+__all__ = ["at_ease_on", "crouches", "drawn_in", "risen"]
 
-_UP = 1.3  # seconds
+_UP, _IN = 1.3, 0.9  # seconds
+_ELSEWHERE = 0.25  # metres from where a hand hangs at ease, from which on it is drawn in
 _LAST = 0.4  # share of the time in which hands that were moved aside come to hang all the same
 _TRUNK = [INDEX["hips"], INDEX["spine"]]
 
@@ -68,11 +69,29 @@ def risen(task: HumanTask, importance: Array, keeps: Sequence[str] = ()) -> Gene
         task: with a walk library. importance: (44,) of these frames.
         keeps: the sides whose hands go with the shoulder, not tipped, for what they hold; others come to hang.
     """
-    if not crouches(task):
-        return task
+    return (yield from _eased(task, importance, keeps, _UP)) if crouches(task) else task
+
+
+def drawn_in(task: HumanTask, importance: Array, keeps: Sequence[str] = ()) -> Generator[Array, None, HumanTask]:
+    """The task from standing at ease, after frames (n, 272), where a hand that is to hang is over a table, say, and
+    not near the hip; else as it is. The rest as of `risen`.
+    """
+    start = task.start
+    ease = at_ease_on(task, start.rotations, start.root)
+    here, there = (grips(task.human, pose.rotations, pose.root)[:, :3] for pose in (start, ease))
+    free = [row for row, side in enumerate(SIDES) if side not in keeps]
+    off = np.linalg.norm(here - there, axis=-1)[free].max(initial=0.0)
+    return (yield from _eased(task, importance, keeps, _IN)) if off > _ELSEWHERE else task
+
+
+def _eased(
+    task: HumanTask, importance: Array, keeps: Sequence[str], seconds: float
+) -> Generator[Array, None, HumanTask]:
+    """The task from standing at ease, after frames (n, 272); as it is where the feet don't bear the body."""
     skeleton, start = task.human, Posture(task.start.rotations, task.start.root)
     standing = Standing.of(skeleton, start.rotations, start.root)
-    assert standing is not None
+    if standing is None:
+        return task
     end = at_ease_on(task, start.rotations, start.root)
     targets = np.zeros((1, 5, 8))
     targets[0, RIGHT_FOOT : LEFT_FOOT + 1, :7], targets[0, RIGHT_FOOT : LEFT_FOOT + 1, 7] = standing.feet, 1.0
@@ -87,7 +106,7 @@ def risen(task: HumanTask, importance: Array, keeps: Sequence[str] = ()) -> Gene
             break
         thought += 1
         yield still
-    frames = round(_UP * task.rate)
+    frames = round(seconds * task.rate)
     if task.length:
         frames = max(least(task, frames), min(frames, task.length // 3))
     trunk = between(start, end, towards, minimum_jerk(np.arange(1, frames + 1) / frames))

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
+from ahmss.algorithm.begun import begun_at
 from ahmss.algorithm.castors import rolled_to
-from ahmss.algorithm.controls import begun_at
+from ahmss.algorithm.hands_aside import hands_aside
 from ahmss.algorithm.haste import hurried
-from ahmss.algorithm.reaching import prisms_of
+from ahmss.algorithm.rising import at_ease_on, drawn_in, risen
 from ahmss.algorithm.seat_room import in_its_room
 from ahmss.algorithm.sitting import Seated, heading_of, must_stand, seat_of
-from ahmss.algorithm.stepping import Stance, ground_of, stepped, until_free, walk_library
+from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, stepped, until_free, walk_library
 from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
@@ -28,10 +29,8 @@ from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import align, conjugate, from_axis_angle, from_matrix, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
-from ahmss.motion.planting import feet, plant
-from ahmss.reaching.aside import kept_aside
-from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.skin import skin_of
+from ahmss.motion.planting import feet
+from ahmss.reaching.standing import Posture
 from ahmss.walking.goals import Goal, facing_of
 from ahmss.walking.library import BODY
 from ahmss.walking.obstacles import Obstacles
@@ -62,7 +61,7 @@ SIDES = ("right", "left")
 class Move:
     """Between standing and sitting: how one stands, how one sits, which way a sitter looks in radians, the seat."""
 
-    stands: Stance
+    stands: Stance | Posture
     sits: Stance
     heading: float
     seat: Transform
@@ -85,6 +84,9 @@ def sit(task: HumanTask) -> Iterator[Array | HumanPose]:
     if task.parameter("up", False):
         yield from _up(task)
         return
+    task = yield from risen(task, IMPORTANCE, task.busy)
+    assert task.site is not None
+    assert task.object is not None
     if task.start.root[2] < task.site.place[2] + 2.0 * _thick(task):
         raise AlgorithmError(must_stand(task, "sit down"))
     walk_library(task)
@@ -96,7 +98,8 @@ def sit(task: HumanTask) -> Iterator[Array | HumanPose]:
     yield from _free(task, Stance(task.start.rotations, task.start.root))
     stance = yield from stepped(task, goal, ground_of(task), near=NEAR, most=MOST, to=task.object.name)
     yield from _free(task, stance)
-    yield from _down(task, stance)
+    task = yield from drawn_in(begun_at(task, stance.rotations, stance.root), IMPORTANCE, task.busy)
+    yield from _down(task, Stance(task.start.rotations, task.start.root))
 
 
 def _free(task: HumanTask, stance: Stance) -> Iterator[Array]:
@@ -139,7 +142,7 @@ def _up(task: HumanTask) -> Iterator[Array]:
     heading, seat = _seat(task)
     frames = hurried(task, round(UP * task.rate))
     sits = Stance(task.start.rotations.copy(), task.start.root.copy())
-    move = Move(_upright(task, sits), sits, heading, seat)
+    move = Move(at_ease_on(task, sits.rotations, sits.root), sits, heading, seat)
     yield _rows(task, move, sits, 1.0 - np.arange(1, frames + 1) / frames)
 
 
@@ -151,7 +154,7 @@ def _rolled_back(task: HumanTask) -> Generator[Array, None, HumanTask]:
     start, heading = task.start, heading_of(task.start.rotations)
     ground, ahead = ground_of(task), np.array([np.cos(heading), np.sin(heading)])
     about = [ring for ring, name in zip(ground.outlines, ground.names, strict=True) if name != seat.thing.name]
-    stands = _upright(task, Stance(start.rotations, start.root)).root[:2]
+    stands = at_ease_on(task, start.rotations, start.root).root[:2]
     room = [
         far for far in BACK if float(Obstacles.of(about, 0.0).clearance(stands - far * ahead).min(initial=1.0)) > ROOM
     ]
@@ -178,7 +181,7 @@ def _rows(task: HumanTask, move: Move, begun: Stance, time: Array) -> Array:
     hands = targets.copy()
     hands[:, :2] = _hands(task, move, begun, time, rotations, root)
     rotations = solve(task.human, rotations, root, hands)
-    moved = _out_of_things(task, rotations, root)
+    moved = hands_aside(task, rotations, root)
     if moved.any():
         hands[:, :2, :3] += moved
         rotations = solve(task.human, rotations, root, hands)
@@ -243,20 +246,6 @@ def _hands(task: HumanTask, move: Move, begun: Stance, time: Array, rotations: A
     return out
 
 
-def _out_of_things(task: HumanTask, rotations: Array, root: Array) -> Array:
-    """By how much (n, 2, 3) hands go aside for what stands about in poses (n, 43, 4), (n, 3).
-
-    Those that hold something; of who stands up all, as they may come from a table's top.
-    """
-    moved = np.zeros((len(root), len(SIDES), 3))
-    prisms = [prism for prism in prisms_of(task) if not prism.sought and not prism.over(root).any()]
-    for row, side in enumerate(SIDES):
-        if side in task.busy or task.parameter("up", False):
-            points, radii = skin_of(Reacher.of(task.human, side), rotations, root)
-            moved[:, row] = kept_aside(prisms, points, radii)
-    return moved
-
-
 def _clear(move: Move, palms: Array, time: Array) -> Array:
     """By how much (n, 3) a hand that holds something is brought over the lap, so that it is not beside the seat."""
     last = palms[np.argmax(time)]
@@ -300,17 +289,6 @@ def _seated(task: HumanTask, stance: Stance) -> Stance:
     kept = [i for i, link in enumerate(LINKS) if i >= BODY or link.endswith(("arm", "hand"))]
     rotations[kept] = stance.rotations[kept]
     return Stance(align(rotations, stance.rotations), _over(task, seat))
-
-
-def _upright(task: HumanTask, sits: Stance) -> Stance:
-    """Standing at ease on the feet where they are."""
-    if task.library is None:
-        raise AlgorithmError("standing up needs a walk library as the action's motion, for how one stands at ease")
-    clip = next(clip for key, clip in task.library.clips.items() if key.kind == "start")
-    own = sits.rotations.copy()
-    own[:BODY] = clip.rotations[0][:BODY]
-    rotations, root = plant(task.human, own, feet(task.human, sits.rotations, sits.root))
-    return Stance(align(rotations, sits.rotations), root)
 
 
 def _name(task: HumanTask) -> str:

@@ -23,6 +23,7 @@ from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.reaching.standing import Standing
 
 from .scene import FLOOR, WORKSPACE, Body, program, record
 
@@ -133,6 +134,21 @@ def test_who_sits_is_told_to_stand_up() -> None:
     body.root = body.root - np.array([0.0, 0.0, 0.4])
     with pytest.raises(AlgorithmError, match="stand up first: `do floor stand`"):
         walked(body, start(body, to(0.0, -2.0)))
+
+
+def test_who_crouches_stands_up_first_and_then_walks_there() -> None:
+    body = Body("ken", *FROM)
+    rotations, root = body.rotations, body.root
+    low = Standing.of(body.skeleton, rotations, root)
+    assert low is not None
+    bent = low.postures(np.zeros(1), np.radians([60.0]), np.full(1, low.heading), np.array([0.35]), np.zeros(3))
+    body.rotations, body.root = bent.rotations[0], bent.root[0]
+    poses = walked(body, start(body, to(-2.5, -1.5)))
+    root = np.array([pose.root for pose in poses])
+    up = int((root[:, 2] > 0.99 * root[-1, 2]).argmax())
+    assert np.linalg.norm(np.diff(root[:, :2], axis=0), axis=-1)[: up - 10].max() < 0.008  # the hips, over the feet
+    assert np.abs(np.diff(root[:, 2], prepend=bent.root[0, 2])).max() < 0.012
+    np.testing.assert_allclose(root[-1, :2], [-2.5, -1.5], atol=0.01)
 
 
 def test_without_a_goal_it_asks_where_to() -> None:

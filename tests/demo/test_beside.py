@@ -1,0 +1,68 @@
+"""Beside furniture, in an order that no example has: bending, rising and sitting down, one is in no table or chair."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ahmss.body.links import INDEX
+from ahmss.main.play import PlaySetup, play_script
+
+from .conftest import ROOT
+from .recorded import Recorded
+from .scenario import Met, met
+from .test_put import fastest_arm
+
+pytestmark = pytest.mark.timeout(180)
+
+FLOOR = """
+add room
+add cup as two at 1.43 0.16 0
+human {human} body {human} at 1.75 0.62 facing 220
+do two grasp
+{then}
+do floor walk to 1.9 1.1
+"""
+SEAT = """
+add room
+remove room/cup
+add cup at 1.1 0.1 0.88
+human {human} body {human} at 1.75 0.2 facing 180
+do cup grasp
+do cup lift
+do cup put to 1.1 0.1
+do cup release
+do chair sit
+wait 0.2
+"""
+
+
+def played(directory: Path, script: str, human: str) -> tuple[Recorded, list[Met]]:
+    """What was shown, and where the body was in furniture by more than 3 mm."""
+    (directory / "beside.txt").write_text(script)
+    setup = PlaySetup(workspace=str(ROOT), fast=True, record=directory / "r.rec")
+    assert play_script(directory / "beside.txt", setup).failures == 0
+    skin = met(directory / "r.rec", human, ROOT, 3, 0.003)
+    shown = Recorded.read(directory / "r.rec", human, ())
+    return shown, [one for one in skin if one.thing in ("room/table", "room/chair")]
+
+
+@pytest.mark.parametrize("human", ["ken", "aiko"])
+@pytest.mark.parametrize("then", ["", "do two lift"])
+def test_what_stands_on_the_floor_beside_a_table_is_taken_and_carried_off(
+    tmp_path: Path, human: str, then: str
+) -> None:
+    shown, skin = played(tmp_path, FLOOR.format(human=human, then=then), human)
+    assert skin == []
+    hips = shown.links[0][:, INDEX["hips"], 2]
+    assert hips.min() < 0.62 < 0.85 < hips[-1]
+    assert fastest_arm(shown) < 7.0
+
+
+@pytest.mark.parametrize("human", ["ken", "aiko"])
+def test_who_has_let_go_of_something_on_a_table_sits_down_before_it(tmp_path: Path, human: str) -> None:
+    shown, skin = played(tmp_path, SEAT.format(human=human), human)
+    assert skin == []
+    assert shown.links[0][-1, INDEX["hips"], 2] < 0.62
+    assert fastest_arm(shown) < 7.0
