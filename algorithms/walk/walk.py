@@ -38,12 +38,12 @@ def walk(task: HumanTask) -> Iterator[Array]:
 def _walk(task: HumanTask) -> Iterator[Array]:
     """The frames, a step at a time; who crouches stands up first."""
     library = walk_library(task)
-    task = yield from risen(task, IMPORTANCE)
     ground = ground_of(task)
     goal = _goal(task, ground)
     check_distance(goal.place, task.start.root[:2])
     if task.goal_place is not None and task.object is not None:
         check_floor(goal.place, _floors(task, task.object), task.object.name)
+    task = yield from risen(task, IMPORTANCE)
     if _stands_there(task, library, goal):
         task.note("one stands there already, so no step is taken")
         yield _stays(task)
