@@ -151,13 +151,19 @@ def _top(thing: WorldObject) -> float:
 
 
 def rows_of(task: HumanTask, piece: Piece) -> Array:
-    """POSE rows (n, 272): the feet as targets, so that they stand whatever the walk is blended with; with the ways."""
+    """POSE rows (n, 272): the feet as targets, so that they stand whatever the walk is blended with; with the ways.
+
+    Arms between whose hands something is held stay as they are against the trunk.
+    """
     n = len(piece.root)
     rotations = np.repeat(task.start.rotations[None], n, axis=0)
     rotations[:, : piece.rotations.shape[1]] = piece.rotations
     targets = np.zeros((n, 5, 8))
     targets[:, _FEET, :3], targets[:, _FEET, 3:7], targets[:, _FEET, 7] = piece.ankles, piece.feet, 1.0
-    return task.block(rotations, piece.root, np.repeat(IMPORTANCE[None], n, axis=0), targets, piece.ways)
+    importance = IMPORTANCE.copy()
+    if task.between:
+        importance[_held(task)] = 0.0
+    return task.block(rotations, piece.root, np.repeat(importance[None], n, axis=0), targets, piece.ways)
 
 
 def in_time(piece: Piece, rows: Array) -> Generator[Array, None, int]:

@@ -132,6 +132,12 @@ class Task:
         """The hands, of `"right"` and `"left"`, that hold something."""
         return () if self.message.busy is UNSET else tuple(self.message.busy)
 
+    @property
+    def between(self) -> bool:
+        """Whether both hands hold one thing between them."""
+        held = {} if self.message.held is UNSET else self.message.held
+        return len(held) == 2 and len(set(held.values())) == 1
+
     def in_hand(self, side: str) -> WorldObject | None:
         """What the `"right"` or `"left"` hand holds; None where it is neither the object nor in the world asked for."""
         number = None if self.message.held is UNSET else self.message.held.get(side)

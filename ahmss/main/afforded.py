@@ -32,13 +32,22 @@ _AHEAD = 0.1  # metres that an arm which reaches ahead comes less high than one 
 
 @dataclass(frozen=True, slots=True)
 class Actor:
-    """The human that acts: its name in the world, its body, where it is and what it holds in which hand."""
+    """The human that acts: its name in the world, its body, where it is and what it holds in which hand.
+
+    between: of that what it holds between both hands.
+    """
 
     name: str
     skeleton: Skeleton
     root: Array
     rotations: Array
     holds: dict[str, str]
+    between: frozenset[str] = frozenset()
+
+    @property
+    def full(self) -> set[str]:
+        """The hands, of "right" and "left", that hold something."""
+        return {"right", "left"} if self.between else set(self.holds.values()) - {""}
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,8 +174,8 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
     has = {
         "reach": reach(actor.skeleton),
         "stature": actor.skeleton.stature,
-        "free_hands": 2.0 - len(set(actor.holds.values()) - {""}),
-        "full_hands": float(len(set(actor.holds.values()) - {""})),
+        "free_hands": 2.0 - len(actor.full),
+        "full_hands": float(len(actor.full)),
     }
     seats = [name for name, hand in actor.holds.items() if not hand]
     if seats and affordance.needs.get("standing", 0.0) > 0.0:

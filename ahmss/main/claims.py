@@ -49,6 +49,12 @@ class Claims:
         """The objects that were taken, each with the hand that holds it ("": none, it is sat on)."""
         return {name: mover.order.hand for name, mover in self._movers.items() if mover.takes and not mover.awaits}
 
+    @property
+    def between(self) -> frozenset[str]:
+        """Those of them that are held between both hands, as it took two free ones to take them."""
+        needs = {name: self._movers[name].order.affordance.needs for name in self.holds}
+        return frozenset(name for name, least in needs.items() if least.get("free_hands", 0.0) > 1.0)
+
     def holder(self, name: str) -> str:
         """Another human that has an object, as far as is known here; "" where there is none."""
         record = self._communication.world.objects.get(name)

@@ -84,6 +84,11 @@ class Control:
         return self._claims.holds
 
     @property
+    def between(self) -> frozenset[str]:
+        """Those of them that are held between both hands."""
+        return self._claims.between
+
+    @property
     def contributions(self) -> list[Contribution]:
         """What the motions give to this frame's blend."""
         return [motion.given for motion in self._motions if motion.given is not None]

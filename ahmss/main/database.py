@@ -172,7 +172,7 @@ class Database:
             motion=str(motion) if motion else None,
             parameters=order.parameters if kind == "human" else order.object_parameters,
             hand=_side(order.hand),
-            busy=sorted(_side(hand) for hand in set(actor.holds.values()) - {""}) or UNSET,
+            busy=sorted(_side(hand) for hand in actor.full) or UNSET,
             held=_in_hands(scene, actor) or UNSET,
             hold=_hold(order.affordance.hold),
             world=told.world(order.object, actor.root),
@@ -316,7 +316,9 @@ def _side(hand: str) -> Any:
 
 def _in_hands(scene: Scene, actor: Actor) -> dict[str, int]:
     """The numbers of what is in the acting human's hands, by side."""
-    held = {_side(hand): scene.objects[name].id for name, hand in actor.holds.items() if name in scene.objects}
+    numbers = {name: scene.objects[name].id for name in actor.holds if name in scene.objects}
+    held = {_side(actor.holds[name]): number for name, number in numbers.items()}
+    held |= {side: number for name, number in numbers.items() if name in actor.between for side in ("right", "left")}
     return {side: number for side, number in held.items() if side}
 
 

@@ -143,7 +143,8 @@ class MainProcess:
     def actor(self) -> Actor:
         """The human as it is now."""
         blending = self.blending
-        return Actor(self.setup.human, blending.skeleton, blending.root, blending.rotations, self.control.holds)
+        body, control = self.setup.human, self.control
+        return Actor(body, blending.skeleton, blending.root, blending.rotations, control.holds, control.between)
 
     def frame(self) -> None:
         """One frame: the command part's next line, then the motions, the blend, the objects, the world."""

@@ -28,7 +28,7 @@ def choose(act: Act, affordance: Affordance, at: Array, actor: Actor, name: str)
     in_hand = affordance.hold == "take" and affordance.needs.get("free_hands", 1.0) > 0.0
     if "hand" not in affordance.asks and not in_hand:
         return ""
-    busy = set(actor.holds.values())
+    busy = actor.full
     near = {side: away(side, at, actor) for side in ("right", "left")}
     if at_it := [side for side, distance in near.items() if distance < _AT_IT and side not in busy]:
         return min(at_it, key=lambda side: near[side])
@@ -54,4 +54,4 @@ def away(hand: str, at: Array, actor: Actor) -> float:
 
 def free(actor: Actor) -> str:
     """A hand that holds nothing, the right one first; the right one where both do."""
-    return next((side for side in ("right", "left") if side not in actor.holds.values()), "right")
+    return next((side for side in ("right", "left") if side not in actor.full), "right")

@@ -64,3 +64,21 @@ def test_it_stands_where_it_was_put_down_and_is_free(played: Recorded) -> None:
     assert np.linalg.norm(box[-1, :2] - box[0, :2]) < 0.03
     assert {played.holders["carton"][frame] for frame in in_the_air(played)} == {"ken"}
     assert played.holders["carton"][-1] == ""
+
+
+@pytest.mark.parametrize("body", ["ken", "aiko"])
+def test_who_walks_off_with_it_has_it_along_between_both_hands(body: str, tmp_path: Path) -> None:
+    """It hung in the air where the walk began, as the arms were let down."""
+    lines = ["add floor", f"human ken body {body} at 0 0", "add carton at 0.35 0", "do carton lift"]
+    lines += ["do floor walk to 1.5 1.2", "do carton put_down"]
+    (tmp_path / "off.txt").write_text("\n".join(lines) + "\n")
+    setup = PlaySetup(workspace=str(ROOT), fast=True, record=tmp_path / "off.rec")
+    assert play_script(tmp_path / "off.txt", setup).failures == 0
+    played = Recorded.read(tmp_path / "off.rec", "ken", ("carton",))
+    frames, box = in_the_air(played), played.objects["carton"]
+    assert np.linalg.norm(box[-1, :2] - np.array([1.5, 1.2])) < 0.5
+    assert box[-1, 2] == pytest.approx(0.0, abs=1e-6)
+    for hand, site in SITES.items():
+        apart = played.object("carton").inverse().apply(played.grip(hand).place)[frames] - site
+        assert np.abs(apart).max() < 0.03
+    assert np.abs(np.diff(box[:, :3], n=2, axis=0)).max() < 0.007

@@ -47,9 +47,10 @@ class Room:
         self.objects[name] = replace(self.objects[name], holder=holder, hand="right")
 
 
-def ken(**holds: str) -> Actor:
+def ken(between: frozenset[str] = frozenset(), **holds: str) -> Actor:
     rotations, root = KEN.upright()
-    return Actor("ken", KEN, root, rotations, {name.replace("__", "/"): hand for name, hand in holds.items()})
+    held = {name.replace("__", "/"): hand for name, hand in holds.items()}
+    return Actor("ken", KEN, root, rotations, held, between)
 
 
 def actions(room: Room, name: str, actor: Actor, workspace: Workspace = SHIPPED) -> set[str]:
@@ -213,3 +214,9 @@ def test_a_kind_of_which_there_is_none_is_told_how_to_be_added() -> None:
         Database(SHIPPED).order(Act("keyboard", "type"), Room(), ken())  # type: ignore[arg-type]
     with pytest.raises(CommandError, match=r'no object "keybord" in the world; there are: room, '):
         Database(SHIPPED).order(Act("keybord", "type"), Room(), ken())  # type: ignore[arg-type]
+
+
+def test_what_is_between_both_hands_leaves_none_free() -> None:
+    room, carrying = Room(), ken(frozenset({"carton"}), carton="right")
+    takes = "room/television/switch press: it takes a free hand, and ken holds carton; put that down first"
+    assert refusal(room, "television/switch", "press", carrying) == takes
