@@ -25,7 +25,7 @@ from ahmss.algorithm.reaching import performed, sides_of
 from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
-from ahmss.body.quaternion import rotate
+from ahmss.body.quaternion import rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
@@ -37,7 +37,7 @@ from ahmss.reaching.pointing import palms_pointing, pointing
 TRAVEL = 0.004  # metres, where neither parameter nor property says
 BEFORE, BACK = 0.035, 0.06  # metres before the face at which the finger is set, and to which it is drawn back
 OVER = 0.0005  # metres beyond the travel, so that it is pushed all the way
-COMES, PUSHES, STAYS, LEAVES = 0.16, 0.12, 0.07, 0.3  # seconds
+COMES, PUSHES, STAYS, LEAVES, RESTS = 0.16, 0.12, 0.07, 0.3, 0.4  # seconds; the last of the fingers
 
 
 def press(task: HumanTask) -> Iterator[Array]:
@@ -72,10 +72,29 @@ def _press(task: HumanTask) -> Iterator[Array]:
         made = yield from perform(plan)  # the eyes have gone on
     tell_missed(task, plan)
     rows = rows_made(task, made)
+    pushes = len(_pushed(task, plan.palm, out))
     if task.parameter("returns", False):
-        length = len(made.root) - len(_pushed(task, plan.palm, out))
+        length = len(made.root) - pushes
         rows = np.concatenate([rows, gone_back(task, made, length, plan.reacher.links)])
+    else:
+        rows = _relaxed(task, rows, plan.reacher.side, pushes)
     yield at_ease(task, rows)
+
+
+def _relaxed(task: HumanTask, rows: Array, side: str, pushes: int) -> Array:
+    """The frames (n, 260), and some more of a hand that is drawn back, whose fingers come to rest in the last of them.
+
+    Where so many were asked for there are no more: they rest in the last of those, `pushes` of all, that push.
+    """
+    n, links = round(RESTS * task.rate), list(fingers(side))
+    if task.length:
+        n = min(n, max(pushes // 3, 1))
+    else:
+        rows = np.concatenate([rows, np.repeat(rows[-1:], n - round(0.5 * LEAVES * task.rate), axis=0)])
+    rotations = rows[-n:, 4:176].reshape(n, 43, 4)  # of a POSE
+    rest = task.human.relaxed()[0][links]
+    rotations[:, links] = slerp(rotations[:, links], rest, minimum_jerk(np.arange(1, n + 1) / n)[:, None])
+    return rows
 
 
 def _palms(task: HumanTask, side: str, out: Array, boxes: Sequence[Box]) -> Array:

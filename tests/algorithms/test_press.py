@@ -12,7 +12,7 @@ from ahmss.algorithm.messages import PoseRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX
+from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
@@ -72,14 +72,32 @@ def test_the_fingertip_pushes_the_face_by_its_travel(name: str, seed: int) -> No
     assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
 
 
-def test_the_others_are_curled_and_the_index_is_straight() -> None:
+@pytest.mark.parametrize(("length", "fastest"), [(0, 5.0), (60, 9.0)])  # degrees a frame
+def test_the_others_are_curled_and_the_index_is_straight_until_the_hand_is_drawn_back(
+    length: int, fastest: float
+) -> None:
     frame = frame_of(SWITCH)
     body = standing("ken", frame, 0.4, 0.0, 0.0)
-    shown = body.do("press", pressed(body))
+    shown = body.do("press", pressed(body, frames=length))
     side = ("right", "left")[int(shown[-1].targets[1, 7])]
-    bent = {f: 2.0 * np.arccos(abs(shown[-1].rotations[INDEX[f"{side}_{f}_proximal"], 0])) for f in ("index", "ring")}
-    assert np.degrees(bent["index"]) < 15.0
-    assert np.degrees(bent["ring"]) > 60.0
+    tip = fingertip(body, shown, face_of(frame))[:, 0]
+    bent = {f: bends(shown, f"{side}_{f}_proximal") for f in ("index", "ring")}
+    near = np.flatnonzero(tip < 0.02)
+    assert bent["index"][near].max() < 15.0
+    assert bent["ring"][near].min() > 60.0
+    assert 15.0 < bent["index"][-1] < 35.0  # a hand that points as one walks off is seen
+    assert bent["ring"][-1] < 40.0
+    assert np.abs(np.diff(bent["ring"])).max() < fastest
+    after = shown[int(tip.argmin()) :: 3]
+    others = [link for link in LINKS if link.startswith(side) and link.endswith("_distal")]
+    places = np.array([forward(pose.rotations, pose.root, body.skeleton.offsets)[0] for pose in after])
+    ends = face_of(frame).inverse().apply(places[:, [INDEX[link] for link in others]])
+    assert ends[..., 0].min() > 0.012  # metres from the plate that the switch is on, and more than a finger is thick
+
+
+def bends(shown: list[HumanPose], link: str) -> Array:
+    """Degrees (n) that a finger's link is turned."""
+    return np.degrees(2.0 * np.arccos(np.abs(np.array([pose.rotations[INDEX[link], 0] for pose in shown]))))
 
 
 def test_the_other_hand_presses_where_one_holds_something() -> None:
