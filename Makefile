@@ -17,9 +17,11 @@ help:
 demo: $(READY) $(GL)
 	$(BIN)/ahmss demo
 
+# The checks run beside the tests, and one worker more than most machines' two cores as many tests wait for something.
 test: $(READY) $(GL)
-	$(BIN)/pytest -q -n 2 --dist loadfile
-	@$(MAKE) --no-print-directory lint
+	@mkdir -p out; $(MAKE) --no-print-directory lint > out/lint.txt 2>&1 & checks=$$!; \
+	$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder; tests=$$?; \
+	wait $$checks; checks=$$?; cat out/lint.txt; exit $$((tests || checks))
 
 test-long: $(READY) $(GL)
 	$(BIN)/pytest -q -m long --timeout 1800

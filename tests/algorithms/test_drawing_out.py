@@ -85,6 +85,7 @@ aiko: do floor stand
 """
 
 
+@pytest.mark.long
 def test_drawn_out_in_two_pulls_it_is_sat_on_and_nobody_is_raised_from_it_in_place(tmp_path: Path) -> None:
     (tmp_path / "script.txt").write_text(SCRIPT)
     recording = tmp_path / "run.rec"

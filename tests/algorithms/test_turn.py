@@ -54,8 +54,13 @@ def pinch(body: Body, shown: list[HumanPose]) -> tuple[Array, Array]:
     return frame_of(TAP).inverse().apply(tips.mean(axis=1)), np.linalg.norm(tips[:, 0] - tips[:, 1], axis=-1)
 
 
-@pytest.mark.parametrize("name", ["ken", "aiko"])
-@pytest.mark.parametrize(("begins", "ends"), [(0.0, LARGEST), (LARGEST, 0.0)])
+@pytest.mark.parametrize(
+    ("name", "begins", "ends"),
+    [
+        ("ken", 0.0, LARGEST), ("aiko", LARGEST, 0.0), pytest.param("aiko", 0.0, LARGEST, marks=pytest.mark.long),
+        pytest.param("ken", LARGEST, 0.0, marks=pytest.mark.long),
+    ],
+)  # fmt: skip
 def test_the_pinch_goes_with_the_lever(name: str, begins: float, ends: float) -> None:
     body = standing(name)
     shown = body.do("turn", turning(body, begins))

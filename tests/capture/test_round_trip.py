@@ -57,7 +57,9 @@ def test_real_motion_comes_back_and_the_mounts_are_found(tmp_path):
     assert np.median(moved) > 2.0  # it was a motion
 
 
-@pytest.mark.parametrize("clip", ["A05", "B01"])  # their first stances face 2 and 7 degrees aside in the file
+@pytest.mark.parametrize(
+    "clip", ["A05", pytest.param("B01", marks=pytest.mark.long)]
+)  # their first stances face 2 and 7 degrees aside in the file
 def test_calibrated_as_a_user_does_it_without_knowing_the_truth(tmp_path, clip):
     """Heading and posture are those that the written configuration and the calibration assume."""
     take, truth = back_from(tmp_path, str(capture_path(clip)), "--clock", "poll")

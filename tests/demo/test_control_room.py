@@ -67,6 +67,7 @@ def test_it_has_twenty_steps_for_two() -> None:
     assert np.linalg.norm(stand[1] - stand[0]) > 0.75  # side by side, clear of each other's arms
 
 
+@pytest.mark.long
 def test_the_handset_comes_back_into_its_cradle_from_where_it_was_taken(tmp_path: Path) -> None:
     """The telephone's own box is nothing that the hand which lays it there must keep out of."""
     lines = [line for line in SCRIPT.read_text().splitlines() if re.match(r"add|human|aiko: do (tele|hand)", line)]

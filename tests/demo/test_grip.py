@@ -72,7 +72,7 @@ def outside(points: Array) -> Array:
     return np.where(inside < 0.0, inside, np.hypot(np.maximum(level, 0.0), np.maximum(above, 0.0)))
 
 
-@pytest.fixture(scope="module", params=["ken", "aiko"])
+@pytest.fixture(scope="module", params=["ken", pytest.param("aiko", marks=pytest.mark.long)])
 def grip(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Grip:
     if request.param == "ken":
         return Grip.of(request.getfixturevalue("demo"), "ken")

@@ -37,6 +37,7 @@ do thing put to table
 DEEPEST = 0.004  # metres
 
 
+@pytest.mark.long
 def test_what_a_hand_carries_goes_past_the_other_hand(tmp_path: Path) -> None:
     box = trimesh.creation.box(bounds=[LOW, HIGH])
     workspace_with(tmp_path, "carton", np.array(box.vertices[box.faces]), SITE)

@@ -162,6 +162,7 @@ def test_who_would_have_to_stretch_for_a_place_steps_to_it(tmp_path: Path) -> No
     assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004
 
 
+@pytest.mark.long
 def test_a_place_to_which_no_arm_brings_it_upright_is_refused_and_it_stays_in_the_hand(tmp_path: Path) -> None:
     shown, _, told = said(tmp_path, "-0.6 0.6 2.6")
     (line,) = told
@@ -173,6 +174,7 @@ def test_a_place_to_which_no_arm_brings_it_upright_is_refused_and_it_stays_in_th
     assert shown.holders["cup"][-1] == "ken"
 
 
+@pytest.mark.long
 def test_a_hand_that_has_let_go_over_a_table_is_not_let_down_through_it_as_one_walks_off(tmp_path: Path) -> None:
     shown, skin, told = said(tmp_path, "0.62 -0.2", "do cup release\ndo floor walk to -0.8 0.9\n")
     assert told == []
@@ -180,6 +182,7 @@ def test_a_hand_that_has_let_go_over_a_table_is_not_let_down_through_it_as_one_w
     assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004, skin[0]
 
 
+@pytest.mark.long
 def test_where_the_elbow_would_be_in_the_table_one_steps_nearer(tmp_path: Path) -> None:
     """The hand would come there: 0.61 m before the shoulder, trunk and arm bent down to the board."""
     (tmp_path / "put.txt").write_text(LOW)
@@ -191,6 +194,7 @@ def test_where_the_elbow_would_be_in_the_table_one_steps_nearer(tmp_path: Path) 
     assert max((one.depth for one in skin if one.thing == "table"), default=0.0) < 0.004, skin[0]
 
 
+@pytest.mark.long
 def test_nobody_reaches_through_a_wall_and_what_was_put_far_off_is_taken_again(tmp_path: Path) -> None:
     """The nearest place to stand would be behind the room's wall, the other ways to bend flat over the table."""
     (tmp_path / "put.txt").write_text(IN_THE_ROOM)
@@ -235,6 +239,7 @@ def test_a_place_that_is_too_low_or_too_far_off_is_refused_before_anybody_moves(
     assert shown.holders["cup"][-1] == "ken"
 
 
+@pytest.mark.long
 def test_in_the_midst_of_tables_the_nearest_place_that_serves_is_told(tmp_path: Path) -> None:
     (tmp_path / "put.txt").write_text(AMIDST)
     report = play_script(tmp_path / "put.txt", PlaySetup(workspace=str(ROOT), fast=True))

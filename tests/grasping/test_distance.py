@@ -14,7 +14,9 @@ from .shapes import box, field, kind, outside, thing
 DEEP = 0.03
 
 
-@pytest.mark.parametrize("name", ["cup72", "lever", "tap", "plate", "knob"])
+@pytest.mark.parametrize(
+    "name", ["cup72", "plate", *(pytest.param(name, marks=pytest.mark.long) for name in ("lever", "tap", "knob"))]
+)
 def test_it_is_within_half_a_step_near_the_surface(name: str) -> None:
     made, triangles = field(name), thing(name).triangles
     middle = thing(name).site[:3]

@@ -93,7 +93,7 @@ ken: wait 2
 """
 
 
-@pytest.mark.parametrize("fast", [True, False])
+@pytest.mark.parametrize("fast", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_way_comes_to_the_algorithm_of_another_human(asking: Path, tmp_path: Path, fast: bool) -> None:
     script, recording = tmp_path / "two.txt", tmp_path / "two.rec"
     script.write_text(SCRIPT)

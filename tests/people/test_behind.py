@@ -42,7 +42,10 @@ def looked(ken: Recorded) -> Array:
     return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-@pytest.mark.parametrize(("action", "seconds"), [("wave", 2.0), ("look", 1.5), ("point_out to 3 0.2 1.2", 1.0)])
+@pytest.mark.parametrize(
+    ("action", "seconds"),
+    [("wave", 2.0), pytest.param("look", 1.5, marks=pytest.mark.long), ("point_out to 3 0.2 1.2", 1.0)],
+)
 def test_who_is_behind_is_turned_to_first(tmp_path: Path, action: str, seconds: float) -> None:
     ken = played(tmp_path, action)
     if action.startswith("point_out"):  # what is pointed out is ahead: nobody turns from it

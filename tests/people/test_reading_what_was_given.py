@@ -30,7 +30,8 @@ aiko: do manual turn
 """
 
 
-@pytest.mark.parametrize("hand", [" hand left", pytest.param("", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("hand", [" hand left", ""])
 def test_a_manual_is_opened_where_the_other_hand_comes_to_its_pages(hand: str, tmp_path: Path) -> None:
     recording, mains = play(tmp_path, SCRIPT.format(hand=hand))
     assert [main["messages"] for main in mains] == [[], []]
@@ -95,6 +96,7 @@ ken: do manual turn
 """
 
 
+@pytest.mark.long
 def test_a_leaf_of_what_was_given_back_goes_with_thumb_and_finger(tmp_path: Path) -> None:
     recording, mains = play(tmp_path, AGAIN)
     assert [main["messages"] for main in mains] == [[], []]

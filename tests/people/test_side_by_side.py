@@ -106,6 +106,7 @@ def test_nobody_waits_for_an_arm_that_is_not_in_the_way() -> None:
     assert task.notes == []
 
 
+@pytest.mark.long
 def test_who_reaches_across_keeps_the_elbow_out_of_who_stands_beside(tmp_path: Path) -> None:
     (tmp_path / "script.txt").write_text(SCRIPT)
     recording = tmp_path / "run.rec"
