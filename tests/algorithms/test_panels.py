@@ -14,6 +14,7 @@ from .layouts import Control, Layout, Used, about_z, somebody, used
 from .scene import Body, program
 
 PUSHED = 39  # frames in which a finger comes, pushes, and is drawn back
+MORE, RESTS = 15, 24  # frames that follow; in which, the last, the fingers come to rest
 FAST, ALL = range(3), range(3, 50)
 EACH = 4  # buttons of a layout that are pressed
 
@@ -28,7 +29,7 @@ def check(layout: Layout, control: Control, name: str, seed: int) -> bool:
             raise
         return False
     travel = 0.004
-    tip = control.site("face").inverse().apply(done.tip("index"))[-PUSHED:]
+    tip = control.site("face").inverse().apply(done.tip("index"))[-PUSHED - MORE : -RESTS]
     contact = int(np.argmax(tip[:, 0] < 1e-4))
     assert np.linalg.norm(tip[contact, 1:]) < 0.002  # at its middle
     assert tip[:, 0].min() == pytest.approx(-travel, abs=0.001)
