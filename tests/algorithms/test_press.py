@@ -76,9 +76,11 @@ def test_the_fingertip_pushes_the_face_by_its_travel(name: str, seed: int) -> No
 def test_the_others_are_curled_and_the_index_is_straight_until_the_hand_is_drawn_back(
     length: int, fastest: float
 ) -> None:
-    frame = frame_of(SWITCH)
-    body = standing("ken", frame, 0.4, 0.0, 0.0)
-    shown = body.do("press", pressed(body, frames=length))
+    frame = Transform(np.array([2.0, 1.0, 1.1]), from_axis_angle(UP, np.array(0.4)))
+    body = standing("ken", frame, 0.45, 0.0, 0.0)
+    start = pressed(body, frame=frame, frames=length)
+    start.world.clear()
+    shown = body.do("press", start)
     side = ("right", "left")[int(shown[-1].targets[1, 7])]
     tip = fingertip(body, shown, face_of(frame))[:, 0]
     bent = {f: bends(shown, f"{side}_{f}_proximal") for f in ("index", "ring")}
@@ -89,10 +91,10 @@ def test_the_others_are_curled_and_the_index_is_straight_until_the_hand_is_drawn
     assert bent["ring"][-1] < 40.0
     assert np.abs(np.diff(bent["ring"])).max() < fastest
     after = shown[int(tip.argmin()) :: 3]
-    others = [link for link in LINKS if link.startswith(side) and link.endswith("_distal")]
+    others = [link for link in LINKS if link.startswith(side) and link.endswith("_distal") and "index" not in link]
     places = np.array([forward(pose.rotations, pose.root, body.skeleton.offsets)[0] for pose in after])
     ends = face_of(frame).inverse().apply(places[:, [INDEX[link] for link in others]])
-    assert ends[..., 0].min() > 0.012  # metres from the plate that the switch is on, and more than a finger is thick
+    assert ends[..., 0].min() > 0.03  # metres from the plate that the switch is on, and more than a finger is thick
 
 
 def bends(shown: list[HumanPose], link: str) -> Array:
