@@ -28,7 +28,8 @@ _ENOUGH = 0.05  # metres between skin and things on all of that way, with which 
 _LOW, _SUNK = 0.35, 0.04  # metres over a top, and under it, that the lowest skin of a hand may be which is over it
 _OTHERS, _MOVED = 0.6, 0.02  # radians from how it was given: so far off an arm is another motion's; it is not still
 _COMES = 60  # frames in which an arm comes from where it was as one set out
-_LAG = 0.12  # seconds of each of three lags one after the other, by which it sets out and arrives softly
+# Seconds of each of three lags one after the other, by which it is let down softly, and is kept while it is another's.
+_LAG, _LAG_KEPT = 0.12, 0.05
 _NONE = 1e-3  # how much it is kept, which is none
 _ROOT, _ROTATIONS = slice(1, 4), slice(4, 176)  # of a POSE
 
@@ -53,7 +54,7 @@ class _Arm:
     def __init__(self, task: HumanTask, side: str) -> None:
         self._task, self._reacher = task, Reacher.of(task.human, side)
         self._holds = side in task.busy
-        self._share = 1.0 - np.exp(-1.0 / (_LAG * task.rate))
+        self._down, self._up = (1.0 - np.exp(-1.0 / (lag * task.rate)) for lag in (_LAG, _LAG_KEPT))
         self._given = self._pose = task.start.rotations[self._reacher.links]
         self._levels, self._wanted = np.zeros(3), False
 
@@ -65,12 +66,12 @@ class _Arm:
         theirs = off > _OTHERS if begun >= _COMES else self._holds and begun == 0
         if theirs and _is_over(things.about(present.root, sought=True), self._skin(present)):
             self._pose, self._wanted = now.copy(), True
-            self._levels[:] = 1.0
+            if not begun:
+                self._levels[:] = 1.0
         elif self._wanted and off > _MOVED and begun:  # it is moved on, where it is kept
             self._pose = now.copy()
-        kept = float(self._levels.max())
         own = rows[some, _ROTATIONS].reshape(-1, 43, 4)
-        if kept < _NONE:
+        if not self._wanted and float(self._levels.max()) < _NONE:
             self._given = own[-1, links].copy()
             return
         self._wanted = self._wanted and self._gap(rows[some.start :], things) < _ENOUGH
@@ -82,9 +83,9 @@ class _Arm:
 
     def _level(self) -> float:
         """How much it is kept in the next frame, softly on its way to what is wanted."""
-        towards = float(self._wanted)
+        towards, share = (1.0, self._up) if self._wanted else (0.0, self._down)
         for i in range(len(self._levels)):
-            self._levels[i] += self._share * (towards - self._levels[i])
+            self._levels[i] += share * (towards - self._levels[i])
             towards = float(self._levels[i])
         return towards
 

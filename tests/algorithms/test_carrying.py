@@ -216,7 +216,7 @@ def test_a_hand_that_holds_something_over_a_thing_is_let_down_where_there_is_roo
     assert np.abs(np.diff(at, n=2, axis=0)).max() < 0.003  # softly
 
 
-@pytest.mark.parametrize("ends", [70, 95])
+@pytest.mark.parametrize("ends", [88, 98])
 def test_an_arm_over_a_thing_that_another_motion_has_had_is_let_down_where_there_is_room(ends: int) -> None:
     task, held, hanging = over_the_sink("")
     rows, made = np.concatenate([np.repeat(hanging, 100, axis=0), going_off(hanging)]), []
@@ -225,8 +225,11 @@ def test_an_arm_over_a_thing_that_another_motion_has_had_is_let_down_where_there
         theirs = 20 < sum(map(len, made)) < ends  # a reach and a grasp
         task.present = held if theirs else HumanFrame(some[-1])
     after = np.concatenate(made)[ends:]
-    np.testing.assert_allclose(palms(after)[0, 0], palms(held.row[None])[0, 0], atol=1e-6)
+    np.testing.assert_allclose(palms(after)[0, 0], palms(held.row[None])[0, 0], atol=0.03)
     assert in_the_sink(task, after) < 0.0
+    turns = np.concatenate(made)[:, 4:176].reshape(-1, 43, 4)
+    step = np.linalg.norm(to_rotation_vector(multiply(conjugate(turns[:-1]), turns[1:])), axis=-1)
+    assert np.degrees(step.max()) < 13.0  # of which an eighth is seen at the most while the arm is another's
     assert palms(after)[-1, 0, 2] < palms(after)[0, 0, 2] - 0.2
 
 
