@@ -19,7 +19,7 @@ from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.skin import skin_of
 
-__all__ = ["let_down"]
+__all__ = ["let_down", "let_down_free"]
 
 _AT_ONCE = 2  # frames that are worked out before they are shown
 _AHEAD = np.arange(0, 41, 8)  # frames that are looked at
@@ -35,17 +35,34 @@ _ROOT, _ROTATIONS = slice(1, 4), slice(4, 176)  # of a POSE
 
 
 def let_down(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
-    """The frames (n, 260) or (n, 272) of a walk, arms over things kept as they are until there is room."""
-    things, begun = Things(task), 0
-    arms = [_Arm(task, side) for side in SIDES]
+    """The frames (n, 260) or (n, 272) of a walk, arms that hold something over things kept so until there is room."""
+    things = Things(task)
+    arms = [_Arm(task, side) for side in task.busy]
     for rows in made:
         rows = np.atleast_2d(np.array(rows))
-        for first in range(0, len(rows), _AT_ONCE):
-            some = slice(first, first + _AT_ONCE)
+        for some in _pieces(rows):
             for arm in arms:
-                arm.over(rows, some, things, begun)
+                arm.over(rows, some, things)
+        yield rows
+
+
+def let_down_free(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
+    """The same with arms whose hands held nothing when one set out, which another motion has had meanwhile."""
+    things, begun = Things(task), 0
+    arms = [_Arm(task, side) for side in SIDES if side not in task.busy]
+    for rows in made:
+        rows = np.atleast_2d(np.array(rows))
+        for some in _pieces(rows):
+            for arm in arms:
+                arm.take_in(things, begun)
+                arm.over(rows, some, things)
             begun += len(rows[some])
             yield rows[some]
+
+
+def _pieces(rows: Array) -> Iterator[slice]:
+    """Slices of rows, a few each."""
+    return (slice(first, first + _AT_ONCE) for first in range(0, len(rows), _AT_ONCE))
 
 
 class _Arm:
@@ -53,23 +70,25 @@ class _Arm:
 
     def __init__(self, task: HumanTask, side: str) -> None:
         self._task, self._reacher = task, Reacher.of(task.human, side)
-        self._holds = side in task.busy
         self._down, self._up = (1.0 - np.exp(-1.0 / (lag * task.rate)) for lag in (_LAG, _LAG_KEPT))
         self._given = self._pose = task.start.rotations[self._reacher.links]
         self._levels, self._wanted = np.zeros(3), False
+        if side in task.busy and _is_over(Things(task).about(task.start.root, sought=True), self._skin(task.start)):
+            self._levels[:], self._wanted = 1.0, True
 
-    def over(self, rows: Array, some: slice, things: Things, begun: int) -> None:
-        """Change some of the rows (n, ...), of which all are known, after so many frames."""
-        links, present = self._reacher.links, self._task.present
-        now = present.rotations[links]
+    def take_in(self, things: Things, begun: int) -> None:
+        """See, after so many frames, whether it is another motion's now, over a thing."""
+        present = self._task.present
+        now = present.rotations[self._reacher.links]
         off = float(np.linalg.norm(to_rotation_vector(multiply(conjugate(self._given), now)), axis=-1).max())
-        theirs = off > _OTHERS if begun >= _COMES else self._holds and begun == 0
-        if theirs and _is_over(things.about(present.root, sought=True), self._skin(present)):
+        if begun >= _COMES and off > _OTHERS and _is_over(things.about(present.root, sought=True), self._skin(present)):
             self._pose, self._wanted = now.copy(), True
-            if not begun:
-                self._levels[:] = 1.0
-        elif self._wanted and off > _MOVED and begun:  # it is moved on, where it is kept
+        elif self._wanted and off > _MOVED:  # it is moved on, where it is kept
             self._pose = now.copy()
+
+    def over(self, rows: Array, some: slice, things: Things) -> None:
+        """Change some of the rows (n, ...), of which all are known."""
+        links = self._reacher.links
         own = rows[some, _ROTATIONS].reshape(-1, 43, 4)
         if not self._wanted and float(self._levels.max()) < _NONE:
             self._given = own[-1, links].copy()

@@ -13,7 +13,7 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.letting_down import let_down
+from ahmss.algorithm.letting_down import let_down, let_down_free
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.rising import risen
 from ahmss.algorithm.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
@@ -32,7 +32,7 @@ UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else
 
 def walk(task: HumanTask) -> Iterator[Array]:
     """The frames of the walk, a step at a time, what hands hold kept out of things beside it."""
-    return kept_clear(task, let_down(task, _walk(task)))
+    return let_down_free(task, kept_clear(task, let_down(task, _walk(task))))
 
 
 def _walk(task: HumanTask) -> Iterator[Array]:

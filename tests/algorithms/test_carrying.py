@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import Transform, frames
-from ahmss.algorithm.letting_down import let_down
+from ahmss.algorithm.letting_down import let_down, let_down_free
 from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.algorithm.tucking import Tucking
 from ahmss.body.inertialisation import Inertialiser
@@ -220,7 +220,7 @@ def test_a_hand_that_holds_something_over_a_thing_is_let_down_where_there_is_roo
 def test_an_arm_over_a_thing_that_another_motion_has_had_is_let_down_where_there_is_room(ends: int) -> None:
     task, held, hanging = over_the_sink("")
     rows, made = np.concatenate([np.repeat(hanging, 100, axis=0), going_off(hanging)]), []
-    for some in let_down(task, iter(np.split(rows, [100]))):  # in one piece, as a walk's end may be
+    for some in let_down_free(task, iter(np.split(rows, [100]))):  # in one piece, as a walk's end may be
         made.append(some)
         theirs = 20 < sum(map(len, made)) < ends  # a reach and a grasp
         task.present = held if theirs else HumanFrame(some[-1])
