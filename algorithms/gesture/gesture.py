@@ -30,7 +30,7 @@ HANGS = 0.75  # of a bow's angle, by which the arms hang back to the vertical
 NODS = 0.25  # of a bow's angle, by which the head goes further
 BY_SPINE = 0.6  # of a bow, of who can't bend at the hips because they walk
 SPINE = 3.0
-MOST_IN = 0.04  # metres that an arm would be in things, and is moved out of them, before one steps back
+MOST_IN = 0.01  # metres that an arm would be in things, and is moved out of them, before one steps back
 _X, _Y, _Z = np.eye(3)
 
 
@@ -42,13 +42,15 @@ def gesture(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError(f'no gesture "{which}"; there are: {", ".join(GESTURES)}')
     task, watching = yield from Watching.faced(task)
     sides = [side for side, _ in _palms(task, made)]
+    if made.bends:  # arms go along
+        sides = [side for side in ("right", "left") if side not in task.busy]
     time = _time(task, made)
     rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)
     if sides and not task.length and arms_in(task, sides, rows) > MOST_IN:
         back = yield from stepped_back(task, sides, rows)
         if back is not task:
             task, watching = back, Watching.of(back)
-            rows = _gestured(task, made, time, watching)
+            rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)
     task.arrived()
     still = task.block(task.start.rotations[None], task.start.root[None], np.zeros(44))
     for side in sides:

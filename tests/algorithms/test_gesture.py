@@ -19,13 +19,14 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.errors import AlgorithmError
-from ahmss.motion.gestures import GESTURES
+from ahmss.motion.gestures import GESTURES, arm_to
 from ahmss.motion.planting import feet
 from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import arm_skin
 from ahmss.reaching.standing import centre_of_mass, support
 from tests.algorithms.devices import at, device
+from tests.algorithms.reached import prisms
 from tests.algorithms.scene import WORKSPACE, Body, program
 
 BODIES = ("ken", "aiko")
@@ -256,3 +257,21 @@ def test_who_stands_close_to_a_panel_keeps_the_arms_out_of_it(name: str, x: floa
     arms = slice(INDEX["right_upper_arm"], INDEX["left_hand"] + 1)
     turned = to_rotation_vector(multiply(conjugate(rotations[:-1, arms]), rotations[1:, arms]))
     assert np.degrees(np.linalg.norm(turned, axis=-1)).max() < 9.0
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_hand_that_is_held_up_before_a_display_does_not_go_through_it_as_one_bows(name: str) -> None:
+    """It went 20 mm into it, and out of its back."""
+    body, palm = Body(name, 0.5, 0.0, 180.0), GESTURES["thumbs_up"].main
+    assert palm is not None
+    arm = slice(INDEX["right_upper_arm"], INDEX["right_hand"] + 1)
+    body.rotations[arm] = arm_to(body.skeleton, "right", palm)
+    hand, _ = arm_skin(Reacher.of(body.skeleton, "right"), body.rotations, body.root)
+    ahead = float(hand[:, 0].min()) - 0.04  # the panel is so far before the foremost point of the hand
+    panel = device("touch_panel", at(ahead, float(hand[hand[:, 0].argmin(), 1]), float(hand[:, 2].min())))
+    walks = str(WORKSPACE.objects.get("human").affordances["bow"].motion)
+    shown = body.do("gesture", msgspec.structs.replace(start_of(body, "bow"), world=[panel], motion=walks))
+    rotations, root = np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
+    points, radii = arm_skin(Reacher.of(body.skeleton, "right"), rotations, root)
+    blocks = prisms(panel)
+    assert (clearance(blocks, points) - radii).min() > -0.002
