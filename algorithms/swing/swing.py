@@ -81,14 +81,14 @@ def _swing(task: HumanTask) -> Iterator[Array]:
     told = f"is where {door.name} is swung, or where one steps with it, and does not go; ask them to move"
     yield from until_free(task, stance, hand.hindered, told)
     made = made or Thinking(hand.swings(stance))
-    looked = 0
+    looked, gaze = 0, Looking(begun_at(task, stance.rotations, stance.root), hand.lever)  # as far as it is from here
     while made.part():
         task.refuse_rest()
         made.part()  # two a frame: one stands and looks at the lever meanwhile
         looked += 1
-        yield _watching(_standing(task, stance, 1), hand.gaze.place, hand.gaze.turned(np.array([looked])))
+        yield _watching(_standing(task, stance, 1), hand.lever, gaze.turned(np.array([looked])))
     rows = made.found
-    rows[:, WATCHES] *= hand.gaze.turned(looked + np.arange(1.0, len(rows) + 1.0))
+    rows[:, WATCHES] *= gaze.turned(looked + np.arange(1.0, len(rows) + 1.0))
     for part in np.split(rows, hand.stands):
         task.refuse_rest()
         yield part
@@ -132,7 +132,7 @@ class Taking:
         self.grip = Thinking(grip(task, door))
         self.at_ease = task.start.rotations[self.links]
         self.stands: list[int] = []
-        self.gaze = Looking(task, door.leaf(door.angle).apply(door.lever))
+        self.lever = door.leaf(door.angle).apply(door.lever)
 
     def swings(self, stance: Stance) -> Steps[Array]:
         """POSE rows (n, 272) of all of it, for who stands so."""
@@ -151,7 +151,7 @@ class Taking:
         stands = (steps < len(comes[0])) | (steps >= len(rows) - len(leaves[0]))
         rows = self._brought(rows, palms, shape, bends)
         looks_up = minimum_jerk((steps - len(comes[0])) / (LOOKS_UP * task.rate))
-        rows = _watching(rows, self.gaze.place, 1.0 - looks_up)
+        rows = _watching(rows, self.lever, 1.0 - looks_up)
         yield
         at = np.arange(float(len(rows)))
         bears = stands | np.isin(at, len(comes[0]) + np.array(ends))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.main.play import PlaySetup, play_script
 
 from .conftest import ROOT
@@ -36,12 +38,18 @@ do cup release
 do chair sit
 wait 0.2
 """
+DOOR = """
+add room
+human {human} body {human} at 1.78 0.2 facing 180
+do door open
+wait 0.2
+"""
 
 
 def played(directory: Path, script: str, human: str) -> tuple[Recorded, list[Met]]:
     """What was shown, and where the body was in furniture by more than 3 mm."""
     (directory / "beside.txt").write_text(script)
-    setup = PlaySetup(workspace=str(ROOT), fast=True, record=directory / "r.rec")
+    setup = PlaySetup(workspace=ROOT, fast=True, record=directory / "r.rec")
     assert play_script(directory / "beside.txt", setup).failures == 0
     skin = met(directory / "r.rec", human, ROOT, 3, 0.003)
     shown = Recorded.read(directory / "r.rec", human, ())
@@ -66,3 +74,12 @@ def test_who_has_let_go_of_something_on_a_table_sits_down_before_it(tmp_path: Pa
     assert skin == []
     assert shown.links[0][-1, INDEX["hips"], 2] < 0.62
     assert fastest_arm(shown) < 7.0
+
+
+@pytest.mark.parametrize("human", ["ken", "aiko"])
+def test_who_comes_to_a_door_from_afar_turns_the_head_to_its_lever_in_no_haste(tmp_path: Path, human: str) -> None:
+    shown, skin = played(tmp_path, DOOR.format(human=human), human)
+    assert skin == []
+    head = shown.rotations[:, INDEX["head"]]
+    turned = np.linalg.norm(to_rotation_vector(multiply(conjugate(head[:-1]), head[1:])), axis=-1)
+    assert np.degrees(turned.max()) < 5.0
