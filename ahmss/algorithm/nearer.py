@@ -14,7 +14,7 @@ import shapely
 from ahmss.algorithm.controls import gone_to, is_taken, stance_at, standing, stretch_from
 from ahmss.algorithm.out_of_reach import MOST_MISSING
 from ahmss.algorithm.reaching import Looking
-from ahmss.algorithm.stepping import ground_of
+from ahmss.algorithm.stepping import ground_of, walk_library
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
@@ -63,9 +63,10 @@ def gone_nearer(
         lacks: what an arm lacks there, as a clause; "" where it comes there as it is to.
 
     Raises:
-        AlgorithmError: nobody can stand where it is in reach, or gets there, or it is too far to step there; nobody has
-            moved then.
+        AlgorithmError: one sits, nobody can stand where it is in reach, or gets there, or it is too far to step there;
+            nobody has moved then.
     """
+    walk_library(task)
     away = float(np.linalg.norm(place[:2] - task.start.root[:2]))
     if away > _MOST:
         raise AlgorithmError(f"{said(place)} is {away:.1f} m from here, too far to step there; walk to it first")

@@ -10,6 +10,7 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.plan import Plan
+from ahmss.walking.obstacles import nearest_free
 
 __all__ = ["MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there"]
 
@@ -18,6 +19,7 @@ MOST_MISSING = 0.03
 
 _TOLD = 0.001  # metres
 _AT_IT = 0.9  # metres, level, from a thing's middle: who walks to it comes so near as a rule
+_BEFORE, _CLEAR, _SAME = 0.45, 0.26, 0.15  # metres: before a place; from things; from here, where a step is none
 _FACES = np.radians(60.0)  # to either side: who walks to a thing comes to face it
 
 
@@ -48,7 +50,7 @@ def come_nearer(task: HumanTask) -> str:
         return must_stand(task, "come nearer")
     thing = _meant(task)
     if thing is None:
-        return "stand nearer to it"
+        return _step_nearer(task)
     way = (thing.place - task.start.root)[:2]
     aside = float(np.arctan2(way[1], way[0])) - heading_of(task.start.rotations)
     faces = abs((aside + np.pi) % (2.0 * np.pi) - np.pi) < _FACES
@@ -57,15 +59,33 @@ def come_nearer(task: HumanTask) -> str:
     return walk_there(task, thing.name)
 
 
+def _step_nearer(task: HumanTask) -> str:
+    """What brings one nearer to a place: to where one can stand before it, on the way that one comes."""
+    assert task.goal_place is not None
+    place, here = task.goal_place[:2], task.start.root[:2]
+    away = float(np.linalg.norm(place - here))
+    rings = [ring for thing in task.world.values() if thing.kind != "human" for ring in thing.occupied]
+    stand = nearest_free(place + min(_BEFORE / max(away, 1e-9), 1.0) * (here - place), rings, _CLEAR)
+    if (away < _AT_IT and float(np.linalg.norm(stand - here)) < _SAME) or float(np.linalg.norm(stand - place)) > _AT_IT:
+        return "no step from here brings one nearer; say another place"
+    facing = np.degrees(np.arctan2(*(place - stand)[::-1]))
+    return f"`do {_floor(task)} walk to {stand[0]:.2f} {stand[1]:.2f} facing {facing:.0f}` first"
+
+
 def walk_there(task: HumanTask, name: str) -> str:
     """How one walks to what has a name, as it is typed; else that one does."""
     known = (*task.world.values(), task.object, task.goal_object)
     names = [thing.name for thing in known if thing is not None]
     if name not in names:
         return "walk nearer first"
+    return f"`do {_floor(task)} walk to {_short(name, names)}` first"
+
+
+def _floor(task: HumanTask) -> str:
+    """The floor, as one names it."""
+    names = [thing.name for thing in (*task.world.values(), task.object) if thing is not None]
     floors = [thing.name for thing in task.world.values() if thing.kind == "floor"]
-    floor = _short(min(floors, key=len), names) if floors else "floor"
-    return f"`do {floor} walk to {_short(name, names)}` first"
+    return _short(min(floors, key=len), names) if floors else "floor"
 
 
 def _meant(task: HumanTask) -> WorldObject | None:

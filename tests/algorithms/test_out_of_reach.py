@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from msgspec import structs
 
 from ahmss.algorithm import HumanTask
-from ahmss.algorithm.messages import ObjectRecord
+from ahmss.algorithm.messages import Goal, ObjectRecord
+from ahmss.algorithm.nearer import gone_nearer
 from ahmss.algorithm.out_of_reach import come_nearer, walk_there
+from ahmss.algorithm.reaching import Looking
 from ahmss.errors import AlgorithmError
+from ahmss.reaching.goal import Goal as Reach
 
 from .scene import CUP, FLOOR, Body, record
 from .test_reach import FREE
+from .test_walk import start, to
 
 
 def task_of(body: Body, *names: str) -> HumanTask:
@@ -48,3 +54,29 @@ def test_a_reach_that_is_refused_says_so() -> None:
     body = Body(x=-2.0)
     with pytest.raises(AlgorithmError, match=r"1\.\d\d m too short for that from here; `do floor walk to cup` first"):
         body.do("reach", body.start(CUP, "reach", **FREE, world=[record(FLOOR)]))
+
+
+def test_of_a_place_that_a_step_brings_into_reach_the_step_is_told_and_helps() -> None:
+    body, place = Body(x=-2.0, facing=0.0), (-0.6, 0.3, 1.0)
+    with pytest.raises(AlgorithmError, match="m too short for that from here") as refused:
+        body.do("reach", body.start(FLOOR, "reach", goal=Goal(place=place), hand=""))
+    x, y, facing = re.findall(r"`do floor walk to (\S+) (\S+) facing (\S+)` first", str(refused.value))[0]
+    there = Body(x=float(x), y=float(y), facing=float(facing))
+    there.do("reach", there.start(FLOOR, "reach", goal=Goal(place=place), hand=""))
+    palms = there.grip(0).place, there.grip(1).place
+    assert min(np.linalg.norm(palm - np.array(place)) for palm in palms) < 1e-3
+
+
+def test_of_a_place_that_is_too_high_no_step_is_told() -> None:
+    body = Body(x=-2.0, facing=0.0)
+    with pytest.raises(AlgorithmError, match="no step from here brings one nearer; say another place"):
+        body.do("reach", body.start(FLOOR, "reach", goal=Goal(place=(-1.6, 0.0, 2.8)), hand=""))
+
+
+def test_who_sits_is_told_to_stand_up_before_it_is_thought_of_where_to_go() -> None:
+    body = Body(x=2.075, y=0.2, facing=180.0)
+    body.root = np.array([2.185, 0.2, 0.55])
+    task, place = task_of(body, "room/chair"), np.array([0.6, 1.0, 0.88])
+    task.library = HumanTask(start(body, to(0.0, 0.0))).library
+    with pytest.raises(AlgorithmError, match="one must stand to walk; `do room/chair stand_up` first"):
+        next(gone_nearer(task, place, lambda _: Reach(place), Looking(task, place), []))
