@@ -18,6 +18,7 @@ from .test_put import fastest_arm
 
 pytestmark = pytest.mark.timeout(180)
 
+BOTH = ["ken", pytest.param("aiko", marks=pytest.mark.long)]
 FLOOR = """
 add room
 add cup as two at 1.43 0.16 0
@@ -56,7 +57,7 @@ def played(directory: Path, script: str, human: str) -> tuple[Recorded, list[Met
     return shown, [one for one in skin if one.thing in ("room/table", "room/chair")]
 
 
-@pytest.mark.parametrize("human", ["ken", "aiko"])
+@pytest.mark.parametrize("human", BOTH)
 @pytest.mark.parametrize("then", ["", "do two lift"])
 def test_what_stands_on_the_floor_beside_a_table_is_taken_and_carried_off(
     tmp_path: Path, human: str, then: str
@@ -68,7 +69,7 @@ def test_what_stands_on_the_floor_beside_a_table_is_taken_and_carried_off(
     assert fastest_arm(shown) < 7.0
 
 
-@pytest.mark.parametrize("human", ["ken", "aiko"])
+@pytest.mark.parametrize("human", BOTH)
 def test_who_has_let_go_of_something_on_a_table_sits_down_before_it(tmp_path: Path, human: str) -> None:
     shown, skin = played(tmp_path, SEAT.format(human=human), human)
     assert skin == []
@@ -76,7 +77,7 @@ def test_who_has_let_go_of_something_on_a_table_sits_down_before_it(tmp_path: Pa
     assert fastest_arm(shown) < 7.0
 
 
-@pytest.mark.parametrize("human", ["ken", "aiko"])
+@pytest.mark.parametrize("human", BOTH)
 def test_who_comes_to_a_door_from_afar_turns_the_head_to_its_lever_in_no_haste(tmp_path: Path, human: str) -> None:
     shown, skin = played(tmp_path, DOOR.format(human=human), human)
     assert skin == []
