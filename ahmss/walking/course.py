@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.walking.bend import SAMPLE, rounded
-from ahmss.walking.obstacles import NEAREST, SLOPE, NoWay, Obstacles, nearest_free
+from ahmss.walking.obstacles import NEAREST, SLOPE, Ends, NoWay, Obstacles, nearest_free
 from ahmss.walking.route import shortest, walls_around
 
 __all__ = ["Course", "NoWay", "blocked", "nearest_free", "plan"]
 
 _NAMED = 4  # as many obstacles are named in a sentence
+_STEP = 0.5  # metres: who goes no farther steps there, and does not walk
+_NO_NEARER = 0.01  # metres that a step may come nearer to a thing than one stands before it and after it
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,8 @@ def plan(
     """The way from start to goal that keeps a radius from things, and bends as a person would.
 
     A start may be anywhere, a goal 0.12 m from a footprint or more; near them the way is as close to things as they
-    are. A bend comes up to 8 cm nearer than the radius.
+    are. A bend comes up to 8 cm nearer than the radius. A step or two along what one stands at is straight: who drew
+    back from it for so short a way would have to turn about on it.
 
     Args:
         start: (2,) metres, world.
@@ -93,6 +96,8 @@ def plan(
     ends = around.ends(start, goal)
     if (ends.clearances[1] < NEAREST).any():
         raise NoWay(partial(_within, around, start, goal))
+    if line.length <= _STEP and (shapely.distance(around.shapes, line) > _kept(around, ends)).all():
+        return _straight(start, goal, start_heading)
     for slope in (SLOPE, SLOPE / 4.0):  # the second time along things, for who stands in a nook
         ends = around.ends(start, goal, slope)
         floor = around.blocked(ends)
@@ -118,6 +123,11 @@ def blocked(
     away = np.linalg.norm(course.at(s)[0][:, None] - table[:, :2], axis=-1)
     near = (away < radius + table[:, 2]).any(axis=-1)
     return float(s[np.argmax(near)]) if near.any() else None
+
+
+def _kept(around: Obstacles, ends: Ends) -> Array:
+    """(m,) metres that a step keeps from each thing: the walker's radius, or as near as one stands to it at an end."""
+    return np.clip(ends.clearances.min(axis=0) - _NO_NEARER, 0.0, around.radius)
 
 
 def _straight(start: Array, goal: Array, start_heading: float | None) -> Course:

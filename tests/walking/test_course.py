@@ -187,6 +187,22 @@ def test_one_comes_to_stand_15_cm_from_a_table():
     assert clearance(course, [TABLE], leaving=0.4) > RADIUS - 0.08
 
 
+@pytest.mark.parametrize(("start", "goal"), [((0.71, 0.15), (0.65, 0.41)), ((0.68, -0.12), (0.68, -0.27))])
+def test_a_step_along_a_table_is_straight(start, goal):
+    """It led off the table and back to it, and who went there turned about by 360 degrees within two steps."""
+    course = way(start, goal, [TABLE], start_heading=np.pi)
+    check(course, start, goal)
+    assert np.ptp(course.heading) == 0.0
+    assert clearance(course, [TABLE]) > 0.12
+
+
+def test_a_step_past_the_corner_of_a_table_is_not_straight():
+    start, goal = (0.63, 0.5), (0.4, 0.75)
+    course = way(start, goal, [TABLE])
+    assert clearance(course, [TABLE]) > 0.12
+    assert np.ptp(course.heading) > 0.5
+
+
 def test_other_humans_are_walked_round():
     circles = [(0.0, 0.05, 0.25), (1.2, -0.3, 0.25)]
     course = way((-2.0, 0.0), (2.5, 0.0), [], circles=circles)
