@@ -68,7 +68,7 @@ def _comes_off(
     there = stance_at(task, stand).start
     thought = begun_at(task, there.rotations, there.root)
     thought.notes = []
-    work = attempt(thought, Looking(thought, gaze.place))
+    work = attempt(thought, Looking(thought, gaze.place, in_thought=True))
     while True:
         try:
             next(work)
@@ -76,7 +76,7 @@ def _comes_off(
             return True
         except AlgorithmError:
             return False
-        yield gaze.alone()
+        yield from gaze.if_there_is_time()
 
 
 def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[goals.Goal]]:

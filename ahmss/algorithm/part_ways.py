@@ -210,6 +210,11 @@ class Approach:
         """The same with that hand alone."""
         return replace(self, palms={side: self.palms[side]}, gaps={side: self.gaps[side]})
 
+    def without(self, side: str) -> Approach:
+        """The same without that hand."""
+        palms, gaps = ({one: some for one, some in own.items() if one != side} for own in (self.palms, self.gaps))
+        return replace(self, palms=palms, gaps=gaps)
+
 
 def approaches(
     task: HumanTask, part: Part, taken: dict[str, list[Grip]], boxes: Sequence[Box], gaze: Looking

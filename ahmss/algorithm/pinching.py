@@ -59,6 +59,7 @@ _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # second
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
 _REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
+_NO_GAIN = 0.004  # metres: for less nobody looks for where else a hand may come from
 _MOST_WAYS = 3  # that are tried
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 
@@ -142,6 +143,8 @@ def _worked_out(
         if best.flaw <= 0.0:
             break
         each.pop(one.plan.reacher.side, None)
+        if one.stays:  # wherever it comes from
+            left = [way for way in (way.without(one.plan.reacher.side) for way in left) if way.palms]
         while not left and each and _touching(task, best):  # the ways are the clearest for both
             _, own = each.popitem()
             left = lasting(reaching, own, _MOST_WAYS) if own else []
@@ -168,14 +171,20 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
 class _Tried:
     """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
 
-    perform: makes a plan's frames anew.
+    on_part: how much of them while the hand is on the part. perform: makes a plan's frames anew.
     """
 
     flaw: float
+    on_part: float
     part: Part
     plan: Plan
     made: Performed
     perform: Callable[[Plan], Generator[Array, None, Performed]]
+
+    @property
+    def stays(self) -> bool:
+        """Whether what is amiss stays so, more or less, from wherever that hand comes."""
+        return self.on_part > 0.0 and self.on_part >= min(self.flaw - _NO_GAIN, _REFUSED)
 
     def back(self, task: HumanTask) -> Array:
         """Frames (n, 260) in which it goes back."""
@@ -215,21 +224,27 @@ def _tried(
         so = yield from _made(task, instead, plan, gaze, reaching, grip.holding)
         return so if _missed(task, instead, plan, so) < missed else made
 
-    def flaw(plan: Plan, made: Performed) -> float:
+    def missed(plan: Plan, made: Performed) -> float:
         either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
-        missed = max(min(either) - _MISSED, 0.0)
-        if _short(task, part, plan, made):
-            missed += _REFUSED
-        missed += crowding(task, made, plan.reacher.side)
-        shown = _shown(made, _back(task, part, plan, made))
-        missed += rest.depth(plan.reacher.side, *shown)
+        return max(min(either) - _MISSED, 0.0) + (_REFUSED if _short(task, part, plan, made) else 0.0)
+
+    def touched(plan: Plan, rotations: Array, root: Array) -> float:
         if not boxes:
-            return missed
-        gap, touching = (gap_of(task, plan.reacher.side, *shown, near) for near in (boxes, beside(task)))
-        return missed + max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
+            return 0.0
+        gap, touching = (gap_of(task, plan.reacher.side, rotations, root, near) for near in (boxes, beside(task)))
+        return max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
+
+    def flaw(plan: Plan, made: Performed) -> float:
+        side, shown = plan.reacher.side, _shown(made, _back(task, part, plan, made))
+        return missed(plan, made) + crowding(task, made, side) + rest.depth(side, *shown) + touched(plan, *shown)
+
+    def on_part(plan: Plan, made: Performed) -> float:
+        on = np.flatnonzero(_moved(task, part, plan.palm)[1] > 0.0)
+        on += len(made.root) - len(_moved(task, part, plan.palm)[1])
+        return missed(plan, made) + touched(plan, made.rotations[on], made.root[on])
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
-    return _Tried(flaw(plan, made), part, plan, made, perform)
+    return _Tried(flaw(plan, made), on_part(plan, made), part, plan, made, perform)
 
 
 def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:

@@ -39,6 +39,7 @@ _LEADS = 0.25  # of the frames asked for, in which the head alone moves at the m
 HEAD = 0.05  # the head's importance: what else looks somewhere has it
 _PAUSES = 20  # of a plan that takes all its steps
 _PERFORMED_IN = 4  # frames
+_PLANS, _PERFORMS = 3, 2  # parts of a plan, and of what is performed, in a frame in which nothing moves any more
 _AT_EASE = 45  # frames of a reach, with its pauses, however near: of a motion that is to be shorter they are counted
 _BEYOND = 1  # pauses without a frame, after which it is performed anew in as many as it needs
 _AS_FAST = 1.03  # of the frames that a reach has: up to so many more would be no gain
@@ -187,16 +188,17 @@ def performed(
 class Looking:
     """The gaze on its way to a place (3,), which it begins before anything else moves.
 
-    frames: those that were given by `alone`.
+    frames: those that were given by `alone`. Once it is there, more of a plan is made in each: who sees them stand
+    there has to wait. in_thought: not so; it is only thought of, by who gives the frames.
     """
 
-    def __init__(self, task: HumanTask, place: Array) -> None:
+    def __init__(self, task: HumanTask, place: Array, *, in_thought: bool = False) -> None:
         self._task, self.place = task, place
         self._feet = feet(task.human, task.start.rotations, task.start.root)
         self._length = max(task.length, least(task, _AT_EASE)) if task.length else 0
         self._seconds = self._needed()
         self.frames = 0
-        self._pauses, self._at_once = 0, 1
+        self._pauses, self._at_once, self._in_thought = 0, 1, in_thought
         if self._length:  # a short motion has few frames for the pauses of a plan: they are spread over these
             self._at_once = ceil(_PAUSES / max(_LEADS * self._length, 1.0))
 
@@ -221,7 +223,7 @@ class Looking:
     def if_there_is_time(self) -> Iterator[Array]:
         """The next frame as `alone`, unless the motion's frames are needed for the hand."""
         self._pauses += 1
-        if self._pauses % self._at_once == 0 and self.left(1):
+        if self._pauses % (_PLANS if self._stands() else self._at_once) == 0 and self.left(1):
             yield self.alone()
 
     def during(self, work: Steps[Worked]) -> Generator[Array, None, Worked]:
@@ -255,7 +257,11 @@ class Looking:
                 while self.frames < last:
                     yield self.alone()
                 return (end.value,)
-            if self.frames < last or self._waits():
+            if self._stands():
+                self._pauses += 1
+                if self._pauses % _PERFORMS == 0:
+                    yield self.alone()
+            elif self.frames < last or self._waits():
                 yield self.alone()
             else:
                 without += 1
@@ -278,6 +284,10 @@ class Looking:
     def _waits(self) -> bool:
         """Whether who looks there may do so for longer: nobody counts the frames, and no more of them turn anything."""
         return not self._length and float(self.turned(np.array([self.frames]))[0]) >= 1.0
+
+    def _stands(self) -> bool:
+        """Whether who waits so is seen to stand there."""
+        return self._waits() and not self._in_thought
 
     def rows(self, frames: Array) -> Array:
         """Targets (n, 5, 8) at frames (n): the gaze, and the feet of who is not carried."""
