@@ -10,7 +10,7 @@ the thumb comes to the ear. What is read has its text facing along its z, and wh
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,12 +37,14 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import Steps
 from ahmss.reaching.elbow import hangs, swung
 from ahmss.reaching.goal import Goal
+from ahmss.reaching.handpoints import own_points, placed_points
 from ahmss.reaching.leaning import looking
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 
 BEFORE, LIFTS = 0.08, 0.05  # metres before the grip at which the open hand is set; by which it is lifted first
+WITHIN = 0.004  # metres that the bones of fingers may be in what else is there
 COMES, CLOSES, HOLDS, RISES = 0.35, 0.35, 0.1, 0.3  # seconds
 TURNS = np.radians([-40.0, -20.0, 0.0, 20.0, 40.0])  # of the hand about the site's z
 EAR = np.array([-0.024, 0.086, 0.098])  # from between the eyes: up, to the side, back
@@ -74,6 +76,7 @@ def take_up(task: HumanTask) -> Iterator[Array | HumanPose]:
         yield gaze.alone()
     if not grips:
         raise AlgorithmError(f"no hand can close on {task.object.name} there; give the site another rotation")
+    grips = _above(task, grips)
     goal = Goal(task.site.place, palms={side: taking.palms for side, taking in grips.items()})
     into = rotate(task.site.rotation, X)
     task, gaze, reaching, plan = yield from _planned(task, goal, -BEFORE * into, gaze)
@@ -132,6 +135,30 @@ def _grips(task: HumanTask, side: str, site: Transform) -> Steps[dict[str, Takin
     turned = from_axis_angle(rotate(site.rotation, UP), TURNS)
     places = site.place + rotate(turned, palm.place - site.place)
     return {side: Taking(np.concatenate([places, multiply(turned, palm.rotation)], axis=-1), holding)}
+
+
+def _above(task: HumanTask, grips: dict[str, Taking]) -> dict[str, Taking]:
+    """The grips without the palms whose fingers would be in what stands about, as the desk that it lies on.
+
+    Raises:
+        AlgorithmError: all would; says by how much at the least.
+    """
+    assert task.object is not None
+    prisms, found, least = [prism for prism in prisms_of(task) if not prism.sought], dict[str, Taking](), np.inf
+    for side, taking in grips.items():
+        points = placed_points(task.human, side, taking.palms, own_points(task.human, side, taking.holding.shape))
+        deep = np.max(
+            [np.full(len(points), -np.inf), *(-prism.signed(points).min(axis=-1) for prism in prisms)], axis=0
+        )
+        least = min(least, float(np.min(deep)))
+        if (clear := deep < WITHIN).any():
+            found[side] = replace(taking, palms=taking.palms[clear])
+    if not found:
+        raise AlgorithmError(
+            f"fingers would be {1000.0 * least:.0f} mm in what {task.object.name} lies on; lay it so that they come "
+            "under it, its edge over that of a desk"
+        )
+    return found
 
 
 def _closing(task: HumanTask, grip: Transform, into: Array) -> tuple[Array, Array]:

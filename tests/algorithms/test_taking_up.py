@@ -265,6 +265,25 @@ def test_what_belongs_nowhere_wants_a_place() -> None:
         scene.goes_on("lay_down", {"rest": "cradle"}, "release")
 
 
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_what_lies_flat_on_a_table_is_taken_over_its_edge_only(side: str) -> None:
+    """Fingers went 15 mm through the table top."""
+    body, base = before("ken", at(1.0, -0.5, 0.88, 2.1), 0.5), at(1.0, -0.5, 0.88, 2.1)
+
+    def taken(over: float) -> list[HumanPose]:
+        """The manual so far over the table's edge."""
+        middle = Transform(base.apply(np.array([0.125 - over - 0.5, 0.0, -0.88])), base.rotation)
+        table = msgspec.structs.replace(device("table", middle), id=9)
+        start = begun(
+            body, device("manual", base, shaped=True), "edge", {"to": "eyes"}, hand=side, hold="take", world=[table]
+        )
+        return body.do("take_up", start)
+
+    with pytest.raises(AlgorithmError, match=r"fingers would be \d+ mm in what manual lies on; lay it so"):
+        taken(-0.03)
+    assert len(taken(0.06)) > 60
+
+
 @pytest.mark.parametrize(
     ("name", "kind", "site", "to"), [("ken", "manual", "edge", "eyes"), ("aiko", "handset", "bar", "ear")]
 )
