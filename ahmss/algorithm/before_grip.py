@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import msgspec
 import numpy as np
 
+from ahmss.algorithm.crowded import crowded
 from ahmss.algorithm.grasping import ArmCost, closing_into, field_at
 from ahmss.algorithm.messages import PoseRecord
 from ahmss.algorithm.place import Transform
@@ -22,7 +23,7 @@ from ahmss.body.inverse import solve
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
-from ahmss.grasping.field import Field
+from ahmss.grasping.field import Field, Solid
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Cost, Holding, opener
 from ahmss.grasping.power import is_thick, power
@@ -61,13 +62,13 @@ def grips_before(task: HumanTask, sides: Sequence[str]) -> Steps[list[Before]]:
     None where the site has a power grip about what is thick: there the palm stops before the wall.
 
     Raises:
-        AlgorithmError: nothing of the thing is at its site.
+        AlgorithmError: nothing of the thing is at its site, or what is about it leaves no room for a pinch.
     """
     thing = task.object
     assert thing is not None
     assert task.site is not None
     site = thing.frame.inverse().then(task.site)
-    field = field_at(task, site.place)
+    field = crowded(task, field_at(task, site.place), site.place)
     pinched = thing.sites[task.message.site].grip == "precision"
     if not pinched and is_thick(field, site.row()):
         return []
@@ -81,12 +82,24 @@ def grips_before(task: HumanTask, sides: Sequence[str]) -> Steps[list[Before]]:
             palms = np.concatenate(
                 [holding.palm[:3] - _BACK[:, None] * inward, np.tile(holding.palm[3:], (len(_BACK), 1))], axis=1
             )
-            skin = np.array([hand.depth(field, palm[None], opened[None]) for palm in palms])
-            clear = np.flatnonzero(np.maximum(skin, hand.palm_depth(field, palms)) < -_CLEAR)
+            clear = np.flatnonzero(
+                (_depth(hand, field.alone, palms, opened) < -_CLEAR) & (_depth(hand, field, palms, opened) < 0.0)
+            )
             if len(clear):
                 there = thing.frame.then(Transform.of(palms[clear[0]])).row()
                 found.append((total, Before(side, there, opened, holding)))
+    if pinched and not found and field.alone is not field:
+        raise AlgorithmError(
+            f"thumb and fingers can't close on {thing.name} there: what it stands on or beside is in the way; put it "
+            "where its edge is free, or stand elsewhere"
+        )
     return [one for _, one in sorted(found, key=lambda one: one[0])]
+
+
+def _depth(hand: Hand, solid: Solid, palms: Array, opened: Array) -> Array:
+    """Metres (n) by which skin of a hand with fingers (14, 4) is in a solid at palms (n, 7), negative outside."""
+    skin = np.array([hand.depth(solid, palm[None], opened[None]) for palm in palms])
+    return np.maximum(skin, hand.palm_depth(solid, palms))
 
 
 def refused(task: HumanTask, before: Before, plan: Plan) -> Steps[AlgorithmError | None]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ahmss.algorithm.closing_depth import closing_depth
 from ahmss.algorithm.closing_way import THERE_BY, out_by, there_by
+from ahmss.algorithm.crowded import crowded
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanFrame, HumanTask, ObjectTask
 from ahmss.body.array import Array
@@ -83,8 +84,8 @@ def closing(task: HumanTask, side: str, most: float) -> Steps[Closing]:
     assert thing is not None
     to_object = thing.frame.inverse()
     site, grip = to_object.then(task.site or thing.frame), to_object.then(task.start.grip(side))
-    field = field_at(task, site.place)
-    far = float(field.clearance(grip.place))
+    field = crowded(task, field_at(task, site.place), site.place)
+    far = float(field.alone.clearance(grip.place))
     if far > 2.0 * most:
         own = thing.name.rpartition("/")[2]
         raise AlgorithmError(
@@ -100,7 +101,7 @@ def closing(task: HumanTask, side: str, most: float) -> Steps[Closing]:
     else:
         holding = yield from power(hand, field, grip.row(), site.row(), arm.cost)
     if holding is None or not holding.holds:
-        raise AlgorithmError(_why(thing.name, holding))
+        raise AlgorithmError(_why(thing.name, hand, field, holding))
     yield
     try:
         return (yield from closing_into(task, side, holding, most))
@@ -124,7 +125,8 @@ def closing_into(task: HumanTask, side: str, holding: Holding, most: float) -> S
     assert thing is not None
     to_object = thing.frame.inverse()
     grip, palm = to_object.then(task.start.grip(side)), Transform.of(holding.palm)
-    field = field_at(task, to_object.then(task.site or thing.frame).place)
+    at = to_object.then(task.site or thing.frame).place
+    field = crowded(task, field_at(task, at), at)
     spine, hand = ArmCost(task, side).spine_for(palm), Hand.of(task.human, side)
     far = float(np.linalg.norm(palm.place - grip.place))
     if far > most:
@@ -243,12 +245,14 @@ def field_at(task: HumanTask | ObjectTask, place: Array) -> Field:
         raise AlgorithmError(f"{task.object.name} has nothing to hold at its site {task.message.site!r}") from None
 
 
-def _why(name: str, holding: Holding | None) -> str:
+def _why(name: str, hand: Hand, field: Field, holding: Holding | None) -> str:
     """The sentence where no grip holds."""
     if holding is None:
         return f"the hand can't close around {name} there; it spans {SPAN:.2f} m, and must come to it from outside"
     if holding.depth >= DEEP:
-        return f"the hand can't hold {name} there: something of it is in the way"
+        own = hand.depth(field.alone, holding.palm[None], holding.shape[None])
+        what = "something of it" if own >= DEEP else "what it stands on or beside"
+        return f"the hand can't hold {name} there: {what} is in the way"
     return f"the hand can't hold {name} there: it is too wide for thumb and fingers to come to opposite sides"
 
 

@@ -6,6 +6,7 @@ The grid covers the part of a shape that a hand can meet; it is made once (see `
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from ahmss.body.array import Array
 from ahmss.errors import DataError
 
-__all__ = ["Field", "Solid"]
+__all__ = ["Crowded", "Field", "Solid"]
 
 _HEAD = struct.Struct("<4s3I4d")  # name and version, nodes along x, y, z, the first node's place, spacing
 _MAGIC = b"SDF1"
@@ -41,6 +42,11 @@ class Field:
     first: Array
     spacing: float
     nodes: NDArray[np.int16]
+
+    @property
+    def alone(self) -> Field:
+        """The shape without what is about."""
+        return self
 
     def clearance(self, points: Array) -> Array:
         """The distance (...) of points (..., 3) from the surface, metres, negative inside; linear between nodes.
@@ -98,3 +104,22 @@ class Field:
             raise DataError("field", "", "the field of distances is cut short; delete what is kept and start again")
         nodes = np.frombuffer(data, np.int16, offset=_HEAD.size).reshape(nx, ny, nz)
         return cls(np.array([x, y, z]), spacing, nodes)
+
+
+@dataclass(frozen=True)
+class Crowded(Field):
+    """The field of a shape with others about it, which hands that close on it stay out of too.
+
+    others: gives the distance (...) of points (..., 3) from them, metres, negative inside; never more than it is.
+    """
+
+    others: Callable[[Array], Array]
+
+    @property
+    def alone(self) -> Field:
+        """The shape without what is about."""
+        return Field(self.first, self.spacing, self.nodes)
+
+    def clearance(self, points: Array) -> Array:
+        """The distance (...) of points (..., 3) from the nearest surface, metres, negative inside."""
+        return np.minimum(super().clearance(points), self.others(points))

@@ -72,7 +72,8 @@ class Trial:
     hands: in the object's frame. palms: (C, 7) of them. curls: (K, 3) in which proportions their fingers may curl.
     rises, bends: (C, R) planes that the thumb tries, and how its end is bent meanwhile. cost: (C,) what speaks against
     each. thumb_cost: (C, R) the same of the planes. links: of fingers that are to touch, or others than the first hand
-    are tried. axis: (3,) along which the wall is on which the thumb shall lie; None where there is none.
+    are tried. axis: (3,) along which the wall is on which the thumb shall lie; None where there is none. opposite: how
+    many fingers, from the index finger on, may be those that the thumb presses against.
     """
 
     hands: Hands
@@ -84,6 +85,7 @@ class Trial:
     thumb_cost: Array
     links: int
     axis: Array | None = None
+    opposite: int = 4
 
     def first(self) -> Trial:
         """The first hand alone, curled in the first way."""
@@ -93,7 +95,7 @@ class Trial:
         """Some of the hands."""
         return Trial(
             self.hands.chosen(which), self.palms[which], self.curls, self.rises[which], self.bends[which],
-            self.cost[which], self.thumb_cost[which], self.links, self.axis,
+            self.cost[which], self.thumb_cost[which], self.links, self.axis, self.opposite,
         )  # fmt: skip
 
 
@@ -129,7 +131,7 @@ def _best(hand: Hand, field: Field, trial: Trial) -> Steps[Holding]:
     of = np.repeat(few, few_of.rises.shape[1])
     rise, bend = few_of.rises.reshape(-1), few_of.bends.reshape(-1)
     thumb, gaps, touches = close_thumb(hand, trial.hands.chosen(of), field, fingers.flexion[of], rise, bend)
-    facing = _facing(field, fingers, of, gaps, touches)
+    facing = _facing(field, fingers, of, gaps, touches, trial.opposite)
     depth = np.maximum(depth[of], -gaps.min(axis=1))
     over = np.zeros(len(of))
     if trial.axis is not None:
@@ -170,10 +172,12 @@ def _over_edge(hand: Hand, field: Field, hands: Hands, thumb: Thumb, axis: Array
     return np.abs(field.normals(balls) @ axis).max(axis=1).mean(axis=1)
 
 
-def _facing(field: Field, fingers: Fingers, of: NDArray[np.intp], thumb_gaps: Array, thumb_touches: Array) -> Array:
+def _facing(
+    field: Field, fingers: Fingers, of: NDArray[np.intp], thumb_gaps: Array, thumb_touches: Array, opposite: int
+) -> Array:
     """The cosine (n) between each thumb's normal and that of the finger most opposite to it; 1 where there is none."""
-    normal = field.normals(fingers.touches).reshape(len(fingers.gaps), -1, 3)
-    absent = fingers.gaps.reshape(len(normal), -1) > TOUCH
+    normal = field.normals(fingers.touches[:, :opposite]).reshape(len(fingers.gaps), -1, 3)
+    absent = fingers.gaps[:, :opposite].reshape(len(normal), -1) > TOUCH
     against = np.einsum("nkc,nmc->nkm", field.normals(thumb_touches), normal[of])
     against = np.where(absent[of][:, None] | (thumb_gaps > TOUCH)[:, :, None], 1.0, against)
     return against.min(axis=(1, 2))

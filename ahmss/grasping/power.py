@@ -60,7 +60,7 @@ def hooked(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None
 
 def is_thick(field: Field, site: Array) -> bool:
     """Whether what is at a site (7,) is full, or hollow: nothing there that fingers go around."""
-    return abs(float(field.clearance(site[:3]))) > THIN
+    return abs(float(field.alone.clearance(site[:3]))) > THIN
 
 
 def _is_around(hand: Hand, holding: Holding, site: Array) -> bool:

@@ -30,6 +30,7 @@ TILTED, SITES, TRIED = (
     3,
 )  # what a radian of that costs; above all is what the site says; ways that are tried
 SAME = 0.004, 0.02  # of 1 - cosine of half the turn, and metres aside: a hand that is so near to a way has come it
+PINCHES = 2  # fingers that press against the thumb: something held by the little finger alone would turn
 PAD = 4  # which ball of a last link is in the middle of its pad
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -128,7 +129,7 @@ def _closed(hand: Hand, field: Field, way: Way, depths: Array) -> Steps[Holding 
     rises = np.array([[rise] for _, rise, _ in found])
     bends, cost = np.full_like(rises, THUMB_SLACK), 0.05 * np.array([i for _, _, i in found], float)
     hands, curls = Hands(poses[:, :3], to_matrix(poses[:, 3:])), PRECISION[None]
-    trial = Trial(hands, _palms(hand, poses), curls, rises, bends, cost, np.zeros_like(rises), PADS)
+    trial = Trial(hands, _palms(hand, poses), curls, rises, bends, cost, np.zeros_like(rises), PADS, None, PINCHES)
     return (yield from best(hand, field, trial))
 
 
@@ -142,6 +143,7 @@ def _placed(hand: Hand, field: Field, site: Array, thumb: float, depth: float) -
     """The hand's frame (7,) whose pads are so deep in the shape, and its thumb's plane; None where it is too thick."""
     inward, across = rotate(site[3:], X), rotate(site[3:], Z)
     s = np.arange(0.0, SPAN + 0.05, STEP)
+    field = field.alone
     inside = field.clearance(site[:3] - s[:, None] * inward) < 0.0
     begins = float(s[inside][-1]) if inside.any() else 0.0
     middle = site[:3] - max(begins - depth, 0.0) * inward
