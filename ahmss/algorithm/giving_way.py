@@ -80,7 +80,7 @@ class GivingWay:
         present = points + self.moved
         near = [prism for prism in prisms if clearance([prism], present).min() > -_DEEP]
         ahead = self._carried(points, spine).reshape(-1, 3)
-        moved = self._aside.step(near, ahead, np.tile(radii, len(_AHEAD)))
+        moved = self._aside.step(near, ahead, np.tile(radii, len(_AHEAD)), None, reacher.shoulder(spine))
         if self._aside.still:
             return rotations[reacher.links]
         return with_hand_moved(reacher, rotations, root, moved)

@@ -90,7 +90,8 @@ class _Held:
         spine = seat(reacher.skeleton, rotations, root)
         wrist = wrist_of(reacher.arm, reacher.arm.from_pose(rotations[:, reacher.links]))
         turn = multiply(spine[1], reacher.arm.rotation)
-        place, turned = reacher.shoulder(spine) + rotate(turn, wrist.place), multiply(turn, wrist.rotation)
+        self._shoulders = reacher.shoulder(spine)
+        place, turned = self._shoulders + rotate(turn, wrist.place), multiply(turn, wrist.rotation)
         held = place[:, None] + rotate(turned[:, None], self._held)
         self._radii = np.concatenate([self._radii, self._thick])
         self._skin = skin.shape[1]
@@ -119,7 +120,8 @@ class _Held:
             near = [prism for prism in prisms if prism.meets(low, high) and not _deep_in(prism, skin)]
             if not near and self._aside.still:
                 continue
-            moved = self._aside.step(near, ahead.reshape(-1, 3), np.tile(self._radii, len(ahead)), self._along)
+            radii, shoulder = np.tile(self._radii, len(ahead)), self._shoulders[first + k]
+            moved = self._aside.step(near, ahead.reshape(-1, 3), radii, self._along, shoulder)
             if self._aside.still:
                 continue
             self._given = with_hand_moved(self._reacher, rotations[k], root[k], moved)

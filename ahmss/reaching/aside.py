@@ -30,6 +30,7 @@ _ROUNDS = 4  # of moving them out of one thing after the other
 _BEFORE, _SOFT, _BEGINS = 16, 6.0, 24  # frames by which a known way goes aside sooner, over which softly, at first
 _SPARSE = 3  # every so many frames of a known way are looked at
 _ENOUGH, _STILL = 5e-4, 1e-5  # metres
+_LEVEL = 0.3  # of a way out that is more upright than that
 _FACES_IT = 0.3  # of a way out, what is less to the side of a body's way is none: it goes head on
 
 
@@ -60,15 +61,23 @@ class Aside:
         """Whether nothing is moved, nor about to be."""
         return float(np.abs(self._lags).max()) < _STILL and float(np.abs(self._wanted).max()) < _STILL
 
-    def step(self, prisms: Sequence[Prism], points: Array, radii: Array, along: Array | None = None) -> Array:
+    def step(
+        self,
+        prisms: Sequence[Prism],
+        points: Array,
+        radii: Array,
+        along: Array | None = None,
+        shoulder: Array | None = None,
+    ) -> Array:
         """By how much points are moved in the next frame (3,).
 
         Args:
             prisms: the things.
             points: (n, 3) where they are and will be if nothing moves them. radii: (n,) of the skin around them.
             along: (3,) level, of length 1: the way of the body, which goes past things and not back from them.
+            shoulder: (3,) of the arm that they are of, which passes a post on the same side.
         """
-        self._wanted = _out_of(prisms, points, radii + AIR, _COMES_BACK * self._wanted, along)
+        self._wanted = _out_of(prisms, points, radii + AIR, _COMES_BACK * self._wanted, along, shoulder)
         towards = self._wanted
         for lag in self._lags:
             lag += self._share * (towards - lag)
@@ -117,7 +126,14 @@ def nearest(prisms: Sequence[Prism], point: Array) -> Prism:
     return prisms[least[1]]
 
 
-def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array, along: Array | None = None) -> Array:
+def _out_of(
+    prisms: Sequence[Prism],
+    points: Array,
+    radii: Array,
+    moved: Array,
+    along: Array | None = None,
+    shoulder: Array | None = None,
+) -> Array:
     """By how much points (n, 3) with room of such radii (n) around them are to be moved (3,), from a guess on."""
     if not prisms or not len(points):
         return moved
@@ -130,8 +146,24 @@ def _out_of(prisms: Sequence[Prism], points: Array, radii: Array, moved: Array, 
             break
         thing = nearest(prisms, at[worst])
         out = thing.way_out(at[worst])
-        moved = moved + lack[worst] * (out if along is None else _past(thing, at[worst], out, along))
+        out = out if along is None else _past(thing, at[worst], out, along)
+        other = 0.0 if shoulder is None else _other_side(thing, at, radii, out, shoulder)
+        moved = moved + (-other if 0.0 < other < _MOST else lack[worst]) * out
     return moved * min(1.0, _MOST / max(float(np.linalg.norm(moved)), 1e-9))
+
+
+def _other_side(thing: Prism, points: Array, radii: Array, out: Array, shoulder: Array) -> float:
+    """Metres by which points (n, 3) come out of a thing against a way out (3,), to where the shoulder (3,) is.
+
+    0 where the way out does not lead away from the shoulder, or it is on neither side.
+    """
+    if abs(float(out[2])) > _LEVEL:
+        return 0.0
+    across, own = thing.ring @ out[:2], float(shoulder[:2] @ out[:2])
+    if own >= float(across.min()):
+        return 0.0
+    within = thing.signed(points) < radii
+    return float((points[within] @ out + radii[within]).max()) - float(across.min())
 
 
 def _past(thing: Prism, point: Array, out: Array, along: Array) -> Array:
