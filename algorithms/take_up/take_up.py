@@ -17,7 +17,7 @@ import numpy as np
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.at_ease import at_ease
 from ahmss.algorithm.meanwhile import waited
-from ahmss.algorithm.nearer import gone_nearer
+from ahmss.algorithm.nearer import gone_nearer, short_of
 from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
 from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.algorithm.reading import before_eyes
@@ -38,7 +38,7 @@ from ahmss.motion.steps import Steps
 from ahmss.reaching.elbow import hangs, swung
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.handpoints import own_points, placed_points
-from ahmss.reaching.leaning import looking
+from ahmss.reaching.leaning import Stretch, looking
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
@@ -99,18 +99,33 @@ def _planned(
 ) -> Generator[Array, None, tuple[HumanTask, Looking, Reaching, Plan]]:
     """The plan of a reach to so far (3,) off the grip, from here or after steps to where the hand comes there.
 
+    Who could bring it there from here only turned otherwise than it holds, its joints at their limits, steps too.
+
     Raises:
         AlgorithmError: it is out of reach, and nobody steps there; says by how much.
     """
     reaching, prisms = Reaching(task.human, task.start.rotations, task.start.root), prisms_of(task)
+    stays, plan = task.library is None or seat_of(task) is not None, None
     try:
-        return task, gaze, reaching, (yield from planned(task, reaching, goal, gaze, prisms, off))
+        plan = yield from planned(task, reaching, goal, gaze, prisms, off)
     except AlgorithmError:
-        if task.library is None or seat_of(task) is not None:
+        if stays:
             raise
-    task, gaze = yield from gone_nearer(task, goal.place, lambda _: goal, gaze, prisms)
+    if plan is not None and (stays or plan.arm.found):
+        return task, gaze, reaching, plan
+    try:
+        task, gaze = yield from gone_nearer(task, goal.place, lambda _: goal, gaze, prisms, _lacks)
+    except AlgorithmError:
+        if plan is None:
+            raise
+        return task, gaze, reaching, plan
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     return task, gaze, reaching, (yield from planned(task, reaching, goal, gaze, prisms, off))
+
+
+def _lacks(arm: Stretch) -> str:
+    """What an arm lacks to take it, as a clause; ""."""
+    return short_of(arm) or ("" if arm.found else "the hand can't be turned so that it holds it")
 
 
 def _grips(task: HumanTask, side: str, site: Transform) -> Steps[dict[str, Taking]]:

@@ -296,3 +296,17 @@ def test_who_does_not_reach_it_steps_there_and_takes_it_up(name: str, kind: str,
     assert away[0] > 1.5
     assert away[-1] < 0.7
     assert np.linalg.norm(scene.held.place - head(scene, scene.shown[-1]).place) < 0.6
+
+
+def test_who_could_take_it_from_here_with_the_hand_askew_only_steps_to_where_it_holds() -> None:
+    """From aside the wrist was at its limits, the hand turned by some 30 degrees and its fingers in the handset."""
+    base = at(1.0, -0.5, 0.88, 2.1)
+    frame, body = Transform(base.apply(CRADLE), base.rotation), before("ken", base, 0.726, -0.325, -33.0)
+    motion, begins = str(WORKSPACE.objects.get("handset").affordances["pick_up"].motion), body.root.copy()
+    told = device("handset", frame, shaped=True)
+    start = begun(body, told, "bar", {"to": "ear"}, hand="left", hold="take", motion=motion)
+    shown = body.do("take_up", start)
+    assert float(np.linalg.norm(shown[-1].root[:2] - begins[:2])) > 0.15
+    near = min(shown, key=lambda one: float(np.linalg.norm(one.targets[1, :3] - frame.place)))
+    palm = grips(body.skeleton, near.rotations[None], near.root[None])[0, 1]
+    assert np.degrees(2.0 * np.arccos(min(1.0, abs(float(palm[3:] @ near.targets[1, 3:7]))))) < 3.0
