@@ -59,7 +59,6 @@ _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # second
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
 _REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
-_NO_GAIN = 0.004  # metres: for less nobody looks for where else a hand may come from
 _MOST_WAYS = 3  # that are tried
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 
@@ -183,8 +182,8 @@ class _Tried:
 
     @property
     def stays(self) -> bool:
-        """Whether what is amiss stays so, more or less, from wherever that hand comes."""
-        return self.on_part > 0.0 and self.on_part >= min(self.flaw - _NO_GAIN, _REFUSED)
+        """Whether it would be refused from wherever that hand comes."""
+        return self.on_part >= _REFUSED
 
     def back(self, task: HumanTask) -> Array:
         """Frames (n, 260) in which it goes back."""
