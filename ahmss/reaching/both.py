@@ -28,7 +28,7 @@ _LEANS, _DROPS = np.radians(np.arange(0.0, 81.0, 5.0)), (0.0, 0.05, 0.1, 0.15, 0
 _SEATED = np.radians(np.arange(0.0, 26.0, 5.0))  # who sits bends no further: the chair is to be nearer
 _EFFORT, _KNEES = 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2  # of leaning and of knees bent
 _EASY, _TOO_FAR, _SHORT, _NOT = 4.0, 600.0, 60.0, 20.0  # as of one arm; a metre too short; joints that don't allow it
-_ARM, _INSIDE, _LIMIT = 0.15, 400.0, 3000.0
+_ARM, _SUNK, _LIMIT = 0.15, 1e5, 3000.0
 _ENOUGH, _KEPT = 40, 24  # palms by which a posture is judged; that are looked at closely
 _AT_ONCE = 24  # postures
 _SPINE = INDEX["spine"]
@@ -120,7 +120,7 @@ def _postures(reaching: Reaching, prisms: Sequence[Prism]) -> Iterator[tuple[Pos
         zero = np.zeros(len(some))
         made = standing.postures(zero, lean[some], zero + reaching.heading, drop[some], np.zeros(3))
         cost = effort[some] + _LIMIT * overbent(reaching.skeleton, made.rotations) ** 2
-        yield made, cost + _INSIDE * sunk(standing, made, prisms) if prisms else cost
+        yield made, cost + _SUNK * sunk(standing, made, prisms) if prisms else cost
 
 
 def _at_the_waist(reaching: Reaching, lean: float) -> Posture:

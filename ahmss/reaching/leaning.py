@@ -23,7 +23,7 @@ from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
-from ahmss.reaching.skin import MARGIN, gaps
+from ahmss.reaching.skin import MARGIN, UPPER_ARM, gaps
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.trunk import trunk_points
 
@@ -37,7 +37,7 @@ _STEP = np.array([0.25, np.radians(9.0), 0.09])
 _MOST_TURN, _ADVANCE, _ASIDE = np.radians(60.0), np.radians(15.0), np.radians(80.0)
 _EFFORT = np.array([0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2])
 _KNEES, _LOW = 4.0, (0.25, 0.4)  # a metre of bent knees for what is not low; low ends so high, metres, and over so many
-_EASY, _TOO_FAR, _ARM, _INSIDE, _LIMIT = 4.0, 600.0, 0.15, 400.0, 3000.0
+_EASY, _TOO_FAR, _ARM, _INSIDE, _SUNK, _LIMIT = 4.0, 600.0, 0.15, 400.0, 1e5, 3000.0
 _FLOOR, _ON_FLOOR = (0.1, 0.15), 10.0  # metres: so low, and over so many, an arm at ease is worth the knees' bending
 _HALF = 0.5
 _ROOM, _NOTHING = 0.02, 1e-6  # of the arm's length, by which an arm is to be less than bent altogether; metres
@@ -169,7 +169,9 @@ def _least(
     cost += (_ARM + low * (_ON_FLOOR - _ARM)) * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
     cost += _LIMIT * overbent(skeleton, seen) ** 2
     if prisms:
-        cost += _INSIDE * sunk(standing, Posture(seen, made.root), prisms)
+        cost += _SUNK * sunk(standing, Posture(seen, made.root), prisms)
+        upper = gaps(reacher, np.broadcast_to(palm, (n, 7)), spine, present, prisms)[:, UPPER_ARM]
+        cost += _SUNK * (np.minimum(upper, 0.0) ** 2).sum(axis=-1)
     i = int(np.argmin(cost))
     return grid[i], Posture(standing.on_feet(made.rotations[i], made.root[i]), made.root[i])
 

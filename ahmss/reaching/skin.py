@@ -17,12 +17,15 @@ from ahmss.body.quaternion import multiply, rotate
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["MARGIN", "arm_skin", "gaps", "hand_skin", "skin_of"]
+__all__ = ["MARGIN", "UPPER_ARM", "arm_skin", "gaps", "hand_skin", "skin_of"]
 
 MARGIN = 0.02
 """Metres of air that hand and arm keep."""
 
-_UPPER, _THICK = np.array([0.5, 0.75])[:, None], np.full(2, 0.045)  # of the upper arm from the shoulder; metres
+_UPPER, _THICK = np.array([0.22, 0.5, 0.75])[:, None], np.array([0.055, 0.045, 0.045])  # of the upper arm; metres
+UPPER_ARM = slice(0, len(_UPPER))
+"""Of what `gaps` gives those of the upper arm."""
+
 _FOREARM = np.linspace(0.0, 1.0, 5)[:, None]
 _RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.034])  # metres, from the elbow to the wrist
 _ALONG = (0.0, 0.5, 1.0)  # of a link
@@ -31,7 +34,7 @@ _X = np.array([1.0, 0.0, 0.0])
 
 
 def gaps(reacher: Reacher, palms: Array, spine: tuple[Array, Array], present: Array, prisms: Sequence[Prism]) -> Array:
-    """Metres (..., 15) between the skin of the arm and the nearest thing, negative inside.
+    """Metres (..., 16) between the skin of the arm and the nearest thing, negative inside.
 
     What is farther than the margin is told to be anywhere beyond it.
 
@@ -73,7 +76,7 @@ def skin_of(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Arr
 
 
 def arm_skin(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:
-    """Points (..., n, 3) and radii (n,) of `skin_of`, and of the upper arm from its middle on."""
+    """Points (..., n, 3) and radii (n,) of `skin_of`, and of the upper arm."""
     points, radii = skin_of(reacher, rotations, root)
     places, _ = forward(rotations, root, reacher.skeleton.offsets)
     shoulder, elbow = places[..., None, reacher.links.start, :], places[..., None, reacher.links.start + 1, :]

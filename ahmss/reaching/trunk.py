@@ -12,14 +12,30 @@ from ahmss.body.skeleton import Skeleton
 
 __all__ = ["trunk_points"]
 
-_LINKS = ("hips", "spine", "head", "right_upper_arm", "left_upper_arm", "right_lower_leg", "left_lower_leg")
-_JOINTS = [INDEX[name] for name in _LINKS]
-_HEAD, _ALONG = INDEX["head"], np.array([0.4, 0.7])[:, None]  # of the head's length: face and crown
-_THICK = np.array([0.10, 0.10, 0.09, 0.05, 0.05, 0.05, 0.05, 0.09, 0.08])  # metres
+# Link, share of its length from its joint, metres backward (the head's z), metres of skin around.
+_BALLS = (
+    ("hips", 0.0, 0.0, 0.10),
+    ("spine", 0.0, 0.0, 0.10),
+    ("spine", 0.4, 0.0, 0.125),
+    ("spine", 0.75, 0.0, 0.115),
+    ("right_upper_arm", 0.0, 0.0, 0.06),
+    ("left_upper_arm", 0.0, 0.0, 0.06),
+    ("right_lower_leg", 0.0, 0.0, 0.05),
+    ("left_lower_leg", 0.0, 0.0, 0.05),
+    ("head", 0.0, 0.0, 0.09),
+    ("head", 0.52, -0.02, 0.10),  # the face
+    ("head", 0.52, 0.07, 0.10),  # the hair behind
+    ("head", 0.70, -0.03, 0.10),  # the crown
+    ("head", 0.70, 0.04, 0.095),
+)
+_JOINTS = [INDEX[link] for link, *_ in _BALLS]
+_SHARES, _BACK = np.array([[share] for _, share, *_ in _BALLS]), np.array([[0.0, 0.0, back] for _, _, back, _ in _BALLS])
+_THICK = np.array([thick for *_, thick in _BALLS])
 
 
 def trunk_points(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Array]:
-    """Points (..., 9, 3) of poses (..., 43, 4), (..., 3) in the world, and how thick skin is around them (9,)."""
+    """Points (..., 13, 3) of poses (..., 43, 4), (..., 3) in the world, and how thick skin is around them (13,)."""
     places, turned = forward(rotations, root, skeleton.offsets)
-    head = places[..., _HEAD, None, :] + rotate(turned[..., _HEAD, None, :], _ALONG * skeleton.tips[_HEAD])
-    return np.concatenate([places[..., _JOINTS, :], head], axis=-2), _THICK
+    off = _SHARES * skeleton.tips[_JOINTS] + _BACK
+    return places[..., _JOINTS, :] + rotate(turned[..., _JOINTS, :], off), _THICK
+
