@@ -29,7 +29,10 @@ _BALLS = (
     ("head", 0.70, 0.04, 0.095),
 )
 _JOINTS = [INDEX[link] for link, *_ in _BALLS]
-_SHARES, _BACK = np.array([[share] for _, share, *_ in _BALLS]), np.array([[0.0, 0.0, back] for _, _, back, _ in _BALLS])
+_SHARES, _BACK = (
+    np.array([[share] for _, share, *_ in _BALLS]),
+    np.array([[0.0, 0.0, back] for _, _, back, _ in _BALLS]),
+)
 _THICK = np.array([thick for *_, thick in _BALLS])
 
 
@@ -38,4 +41,3 @@ def trunk_points(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Arr
     places, turned = forward(rotations, root, skeleton.offsets)
     off = _SHARES * skeleton.tips[_JOINTS] + _BACK
     return places[..., _JOINTS, :] + rotate(turned[..., _JOINTS, :], off), _THICK
-

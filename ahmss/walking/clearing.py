@@ -27,7 +27,7 @@ from ahmss.walking.fence import Fence
 from ahmss.walking.leeway import Leeway, bump
 from ahmss.walking.shaping import Shaped, Shaping
 
-__all__ = ["clearing", "held_arms"]
+__all__ = ["clearing", "held_arms", "swaying"]
 
 _NEAR, _WITHIN = 0.7, 0.2  # metres from the hips, and from a leg, beyond which nothing is in its way
 _LOOKED = 900  # frames that are looked at: the rest of a longer walk is not
@@ -44,11 +44,13 @@ _UPPER, _LOWER = ([INDEX[f"{side}_{part}_leg"] for side in ("right", "left")] fo
 _SPINE = INDEX["spine"]
 _SHOULDERS, _ELBOWS = ([INDEX[f"{side}_{part}_arm"] for side in ("right", "left")] for part in ("upper", "lower"))
 _MIRROR = np.array([1.0, -1.0, 1.0])
-# Hip joint, thigh, knee, shank, ankle, heel, toes; elbow, forearm, wrist, fingers: how thick it is there, metres, in
-# the stouter of the bodies that ship, and a little more; by how much it goes with the foot, the rest with the hips.
-_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051, 0.065, 0.055, 0.05, 0.05])
-_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+# Hip joint, thigh, knee, shank, ankle, heel, toes; shoulder, elbow, forearm, wrist, fingers: how thick it is there in
+# the stouter of the bodies that ship, and a little more, metres; by how much it goes with the foot, else with the hips.
+_THICK = np.array([0.116, 0.086, 0.068, 0.072, 0.068, 0.051, 0.051, 0.06, 0.065, 0.055, 0.05, 0.05])
+_WITH_FOOT = np.array([0.0, 0.3, 0.5, 0.75, 0.95, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 _OF_FOOT, _OF_ARM = slice(4, 7), 4
+_BESIDE, _SWAYS = 0.35, 0.3  # metres from hips that stand; of a shift of weight, before which it is not looked at
+_LIFTED, _SET_OUT = 9, 40  # frames after the shift that are looked at; in which one comes to where one would be
 _THING = 0.02  # metres that a point of what is in a hand keeps
 
 
@@ -62,7 +64,8 @@ def clearing(
 
     Args:
         skeleton: of who walks.
-        shaping: the walk as it would be. made: the frame up to which it stays.
+        shaping: the walk as it would be, moved aside at first as `swaying` has it. made: the frame up to which it
+            stays.
         outlines: (n, 2) of things, world. tops: how high they are, metres; left out: high.
         held: arms that are kept as they are, as `held_arms` gives them.
     """
@@ -72,7 +75,8 @@ def clearing(
         return
     last, feet = int(frames[-1]) + 1, (0, 1)
     swings = [_Swings.of(shaping.stands[:, foot], frames) for foot in feet]
-    moved, fade = Leeway.none(shaping.frames, (swings[0].count, swings[1].count)), _fade(shaping.frames, made)
+    begun = shaping.leeway or Leeway.none(shaping.frames, (swings[0].count, swings[1].count))
+    moved, fade = begun.copy(), _fade(shaping.frames, made)
     for look in range(_LOOKS):
         since = moved.copy()
         seen = shaping.moved(since) if look else shaping
@@ -96,8 +100,48 @@ def clearing(
                 moved.swings[foot][:] = own.more(moved.swings[foot], push[:, foot], lack[:, foot])
             worst = lack.reshape(len(frames), -1).argmax(axis=-1)
             most = push.reshape(len(frames), -1, 2)[np.arange(len(frames)), worst]
-            moved.body[:] = fade * _moved(moved.body, frames, most)
+            moved.body[:] = begun.body + fade * _moved(moved.body - begun.body, frames, most)
         yield moved
+
+
+def swaying(
+    skeleton: Skeleton, shaping: Shaping, made: int, outlines: Sequence[Array], tops: Sequence[float] = (),
+    held: Array | None = None,
+) -> Leeway | None:  # fmt: skip
+    """By how much who sets out shifts the weight less far, or less far ahead, than into what they stand beside.
+
+    It is found at once, for the first frames wait for it; nobody is brought farther out of a thing than they stand.
+
+    Args:
+        skeleton: of who walks. shaping: the walk as it would be. made: frames in which the weight is shifted.
+        outlines, tops, held: as for `clearing`.
+
+    Returns:
+        None where nothing is near.
+    """
+    near = [i for i, ring in enumerate(outlines) if Fence([ring], _BESIDE).away(shaping.level[:1])[0][0] < _BESIDE]
+    if not near or made < 1:
+        return None
+    at = np.arange(shaping.frames)
+    share = (minimum_jerk(at / made) * minimum_jerk((made + _LIFTED + _SET_OUT - at) / _SET_OUT))[:, None]
+    fence = Fence([outlines[i] for i in near], _WITHIN, [tops[i] for i in near] if len(tops) else ())
+    end = min(made + _LIFTED, shaping.frames - 1)
+    frames = np.append(0, np.arange(end, 0, -_STEP)[::-1])
+    limbs = _Limbs.of(skeleton, shaping.part(0, end + 1), frames, fence, held)
+    by, stays = np.zeros(2), np.zeros((shaping.frames, 2))
+    for _ in range(_IN_PART):
+        push = limbs.push(share * by, (stays, stays))
+        lack = np.sqrt((push * push).sum(axis=-1))
+        lack = (lack - lack[0]) * (share[frames, 0] > _SWAYS)[:, None, None]
+        worst = np.unravel_index(int(lack.argmax()), lack.shape)
+        if lack[worst] < _ENOUGH:
+            break
+        out = push[worst] / np.sqrt((push[worst] * push[worst]).sum())
+        by += lack[worst] / share[frames[worst[0]], 0] * out
+    if not by.any():
+        return None
+    swings = [max(len(runs(shaping.stands[:, foot])) - 1, 0) for foot in (0, 1)]
+    return Leeway(share * by, Leeway.none(1, (swings[0], swings[1])).swings)
 
 
 def held_arms(
@@ -167,11 +211,12 @@ class _Limbs:
             ankles + rotate(feet, heels), ankles + rotate(feet, toes),
         ], axis=2)  # fmt: skip
         count = _OF_ARM if held is None else held.shape[1]
-        arms = np.repeat(_elbows(skeleton, shaped, frames)[:, :, None], count, axis=2)
+        shoulders, elbows = _hanging(skeleton, shaped, frames)
+        arms = np.repeat(elbows[:, :, None], count, axis=2)
         if held is not None:
             stay = root[:, None, None] + rotate(hips[:, :, None], held)
             arms = np.where(np.isnan(held), arms, stay)
-        return cls(frames, np.concatenate([points, arms], axis=2), fence)
+        return cls(frames, np.concatenate([points, shoulders[:, :, None], arms], axis=2), fence)
 
     def push(self, body: Array, feet: Sequence[Array]) -> Array:
         """By how much the points are to be moved (f, 2, P, 2) out of things when body and feet are moved (F, 2)."""
@@ -188,13 +233,14 @@ class _Limbs:
         return (lack[:, None] * self._out).reshape(self._points.shape)
 
 
-def _elbows(skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp]) -> Array:
-    """Both elbows (f, 2, 3), as they are where nothing else has the arms."""
+def _hanging(skeleton: Skeleton, shaped: Shaped, frames: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Both shoulders and elbows (f, 2, 3), as they are where nothing else has the arms."""
     hips, trunk = shaped.rotations[frames, 0], shaped.rotations[frames, _SPINE]
     spine = multiply(hips, trunk)[:, None]
     shoulders = rotate(hips, skeleton.offsets[_SPINE])[:, None] + rotate(spine, skeleton.offsets[_SHOULDERS])
     arms = multiply(spine, shaped.rotations[frames][:, _SHOULDERS])
-    return shaped.root[frames, None] + shoulders + rotate(arms, skeleton.offsets[_ELBOWS])
+    shoulders = shaped.root[frames, None] + shoulders
+    return shoulders, shoulders + rotate(arms, skeleton.offsets[_ELBOWS])
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,15 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.way import staying, ways_of
-from ahmss.walking.clearing import clearing
+from ahmss.walking.clearing import clearing, swaying
 from ahmss.walking.journey import Footing, Journey
 from ahmss.walking.leeway import Leeway
 from ahmss.walking.library import RATE
 from ahmss.walking.shaping import Shaping
 
 __all__ = [
-    "LOOKS", "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "standing_piece",
+    "LOOKS", "Clearing", "Ground", "Piece", "footing_at", "part", "piece", "repeated", "setting_out",
+    "standing_piece",
 ]  # fmt: skip
 
 LOOKS = 3, 6, 9, 12, 15, 18, 21
@@ -83,6 +84,18 @@ def footing_at(going: Journey, end: int) -> Footing:
     ankles, headings = np.array([one[0] for one in prints]), np.array([one[1] for one in prints])
     heading = float(np.arctan2(np.sin(headings).sum(), np.cos(headings).sum()))
     return Footing(ankles, headings, going.line.course.points[end], heading)
+
+
+def setting_out(skeleton: Skeleton, going: Journey, made: int, ground: Ground, held: Array | None) -> Journey:
+    """A walk from standing, its first frames, in which weight is shifted, kept out of what one stands beside.
+
+    Args:
+        skeleton: of who walks. going: the walk as it would be. made: how many frames these are.
+        ground: what stands on the floor. held: arms that are kept as they are.
+    """
+    assert isinstance(going.shaping, Shaping)
+    leeway = swaying(skeleton, going.shaping, made, ground.outlines, ground.tops, held)
+    return going if leeway is None else replace(going, shaping=going.shaping.moved(leeway))
 
 
 class Clearing:

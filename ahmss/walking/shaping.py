@@ -64,7 +64,7 @@ class Shaping:
         line: the way.
         ends: where the feet stand before and where they shall stand after.
         standing: the height of the hips in standing, metres.
-        leeway: by how much it is moved aside.
+        leeway: by how much it is moved aside; None: not at all.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Shaping:
         leeway: Leeway | None = None,
     ) -> None:  # fmt: skip
         self._skeleton, self._nominal = skeleton, nominal
-        self._line, self._ends, self._standing = line, ends, standing
+        self._line, self._ends, self._standing, self.leeway = line, ends, standing, leeway
         frames = len(nominal.root)
         turn = _turning(nominal, line, np.arange(0.0, frames))
         seen = Seen(skeleton, nominal)

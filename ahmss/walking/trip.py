@@ -23,7 +23,17 @@ from ahmss.walking.hindering import in_vain, waits
 from ahmss.walking.journey import SPOT, AtSeam, Footing, Journey, at_seam, footing
 from ahmss.walking.library import RATE, Library
 from ahmss.walking.makingway import held_up, least, meets, yields
-from ahmss.walking.pieces import Clearing, Ground, Piece, footing_at, part, piece, repeated, standing_piece
+from ahmss.walking.pieces import (
+    Clearing,
+    Ground,
+    Piece,
+    footing_at,
+    part,
+    piece,
+    repeated,
+    setting_out,
+    standing_piece,
+)  # fmt: skip
 from ahmss.walking.planning import IMPATIENT, RADIUS, Planner, ahead, beginning
 from ahmss.walking.walkers import Walker
 from ahmss.walking.wayout import Pace, WayOut, halted, way_out
@@ -136,6 +146,7 @@ class Trip:
         """
         made, before = last_moment(going), self.others()
         ground = self.planner.crowded(going.shaping.level[0], before)
+        going = setting_out(self.skeleton, going, made, ground, self._arms)
         clearing = Clearing(self.skeleton, going, made, ground, self._arms)
         yield replace(piece(going, 0, made), meanwhile=clearing)
         own, others = beginning(going, made), self.others()

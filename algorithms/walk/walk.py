@@ -25,8 +25,10 @@ from ahmss.motion.way import staying
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, check_floor, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library
+from ahmss.walking.standing_room import with_room
 from ahmss.walking.trip import Ground, Piece, Trip
 
+TOLD = 0.006  # metres that a place is moved: less is not told, nor done
 UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else one bends or leans
 
 
@@ -43,6 +45,8 @@ def _walk(task: HumanTask) -> Iterator[Array]:
     check_distance(goal.place, task.start.root[:2])
     if task.goal_place is not None and task.object is not None:
         check_floor(goal.place, _floors(task, task.object), task.object.name)
+    if task.goal_object is None:
+        goal = _with_room(task, goal, ground)
     task = yield from risen(task, IMPORTANCE)
     if _stands_there(task, library, goal):
         task.note("one stands there already, so no step is taken")
@@ -56,6 +60,17 @@ def _walk(task: HumanTask) -> Iterator[Array]:
     for piece in trip.pieces(task.start.rotations, task.start.root):
         shown = yield from in_time(piece, tucking.over(rows_of(task, piece)))
         tucking.keep(shown)
+
+
+def _with_room(task: HumanTask, goal: Goal, ground: Ground) -> Goal:
+    """The goal, or where beside it no part of the body is in a thing; as it is where there is no such place."""
+    room = with_room(task.human, goal, ground)
+    off = 0.0 if room is None else float(np.linalg.norm(room.place - goal.place))
+    if room is None or off < TOLD:
+        return goal
+    x, y = room.place.tolist()
+    task.note(f"stands at {x:.2f} {y:.2f}, {100.0 * off:.0f} cm from there, not to be in {room.beside}")
+    return Goal(room.place, goal.facing)
 
 
 def _floors(task: HumanTask, thing: WorldObject) -> list[Array]:

@@ -29,12 +29,13 @@ GOALS = [
 
 
 def walked(
-    outlines: list[Array], goal: tuple[float, float, float], name: str = "ken", tops: Sequence[float] = ()
-) -> tuple[Array, Array]:
-    """Rotations (F, 43, 4) and root (F, 3) from the origin, heading 0, to a place and a heading in degrees."""
+    outlines: list[Array], goal: tuple[float, float, float], name: str = "ken", tops: Sequence[float] = (),
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> tuple[Array, Array]:  # fmt: skip
+    """Rotations (F, 43, 4) and root (F, 3) from a place and heading to another, in metres and degrees."""
     body = m.subject(name)
     trip = Trip(body.skeleton, m.library(), Ground(outlines, tops=tops), np.array(goal[:2]), float(np.radians(goal[2])))
-    pieces = list(trip.pieces(*body.at((0.0, 0.0), 0.0)))
+    pieces = list(trip.pieces(*body.at(start[:2], start[2])))
     rotations = np.concatenate([piece.rotations for piece in pieces])
     whole = np.repeat(body.rotations[None], len(rotations), axis=0)
     whole[:, :BODY] = rotations
@@ -57,6 +58,15 @@ def nearest(name: str, rotations: Array, root: Array, outline: Array) -> float:
 @pytest.mark.parametrize("goal", GOALS)
 def test_legs_keep_out_of_a_table_beside_which_one_turns(name: str, goal: tuple[float, float, float]) -> None:
     assert nearest(name, *walked([TABLE], goal, name), TABLE) > 0.0
+
+
+@pytest.mark.parametrize(("name", "foot"), [("ken", 90.0), ("aiko", -90.0)])
+def test_who_sets_out_beside_a_table_shifts_no_weight_into_it(name: str, foot: float) -> None:
+    rotations, root = walked([TABLE], (-1.5, -0.3, 180.0), name, start=(0.07, 0.0, foot))
+    skeleton = m.subject(name).skeleton
+    places, _ = forward(rotations, root, skeleton.offsets)
+    hips = places[:, [INDEX["right_upper_leg"], INDEX["left_upper_leg"]]]
+    assert (TABLE[0, 0] - hips[..., 0]).min() > 0.105, "metres: a thigh is so thick"
 
 
 def test_some_of_these_legs_would_be_in_it() -> None:
