@@ -23,12 +23,21 @@ _PALM = np.radians(7.5)  # in a frame, that a palm turns in the world
 _WIDE, _SMOOTH = 15, 4.0  # frames around what is too fast, and over which the pace changes
 _JOINTS = [i for i, link in enumerate(LINKS) if link.endswith(("arm", "hand")) or i in (INDEX["spine"], INDEX["head"])]
 _ROTATIONS, _TARGETS = slice(4, 176), slice(220, 260)  # of a row
+_ROUNDS = 6  # of making it slower
 _RATE = 60.0  # frames a second that the figures are for
 
 
 def at_ease(task: HumanTask, rows: Array) -> Array:
-    """POSE rows (n, 260) of a motion, more of them where it is too fast; as they are where their number was said."""
-    return resampled(rows, times_at_ease(task, rows))
+    """POSE rows (n, 260) of a motion, more of them where it is too fast; as they are where their number was said.
+
+    An elbow that leaves straight bends by as the root of how far its hand goes, so that once may not be enough.
+    """
+    for _ in range(_ROUNDS):
+        times = times_at_ease(task, rows)
+        if len(times) == len(rows):
+            break
+        rows = resampled(rows, times)
+    return rows
 
 
 def times_at_ease(task: HumanTask, rows: Array, links: Sequence[int] = (), *, wish: bool = False) -> Array:

@@ -9,6 +9,7 @@ from ahmss.algorithm import HumanTask
 from ahmss.algorithm.at_ease import at_ease, resampled
 from ahmss.algorithm.messages import PoseRecord, Start
 from ahmss.body.array import Array
+from ahmss.body.inverse import solve
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.body.skeleton import Skeleton
@@ -81,3 +82,25 @@ def test_between_frames_the_shorter_way_is_taken() -> None:
     arm = made[0, 4:176].reshape(43, 4)[ARM]
     assert abs(arm @ from_axis_angle(Y, np.array(np.radians(20.0)))) == pytest.approx(1.0, abs=1e-6)
     assert made[0, 176:220] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("step", [0.005, 0.009])
+def test_an_elbow_that_leaves_straight_takes_as_long_as_it_needs(step: float) -> None:
+    """It bends by the root of how far the hand goes: half as fast a hand is no elbow half as fast."""
+    one = task()
+    made = rows(one, 0.0, palm=True)
+    far = np.array([0.0, -0.2, -0.9])  # below the shoulder, farther than the arm is long
+    palm = one.start.grip("right")
+    in_by = np.clip(np.arange(FRAMES) - 10.0, 0.0, None)[:, None] * step
+    targets = made[:, 220:260].reshape(-1, 5, 8)
+    down = (far / np.linalg.norm(far))[None]
+    targets[:, 0, :3] = palm.place + (0.003 - in_by) * down
+    targets[:, 0, 3:7] = palm.rotation
+    shown = at_ease(one, made)
+
+    def fastest(some: Array) -> float:
+        ends, rotations = some[:, 220:260].reshape(-1, 5, 8), some[:, 4:176].reshape(-1, 43, 4)
+        return float(turned(solve(one.human, rotations, some[:, 1:4], ends)[:, ARM]).max())
+
+    assert fastest(made) > 8.0
+    assert fastest(shown) < 6.0
