@@ -155,7 +155,7 @@ def _out_of(
 def _other_side(thing: Prism, points: Array, radii: Array, out: Array, shoulder: Array) -> float:
     """Metres by which points (n, 3) come out of a thing against a way out (3,), to where the shoulder (3,) is.
 
-    0 where the way out does not lead away from the shoulder, or it is on neither side.
+    0 where the way out does not lead away from the shoulder, or all of them come out sooner on that side.
     """
     if abs(float(out[2])) > _LEVEL:
         return 0.0
@@ -163,7 +163,9 @@ def _other_side(thing: Prism, points: Array, radii: Array, out: Array, shoulder:
     if own >= float(across.min()):
         return 0.0
     within = thing.signed(points) < radii
-    return float((points[within] @ out + radii[within]).max()) - float(across.min())
+    along, room = points[within] @ out, radii[within]
+    other = float((along + room).max()) - float(across.min())
+    return other if other < float(across.max()) - float((along - room).min()) else 0.0
 
 
 def _past(thing: Prism, point: Array, out: Array, along: Array) -> Array:

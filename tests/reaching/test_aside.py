@@ -62,7 +62,7 @@ def test_a_known_way_keeps_out_and_begins_where_it_is() -> None:
 def test_an_arm_passes_a_post_on_the_side_of_its_shoulder() -> None:
     """Its hand, which would be out of it sooner on the other side, would have the elbow in it there."""
     post = Prism(np.array([[0.0, -0.05], [0.05, -0.05], [0.05, 0.05], [0.0, 0.05]]), 0.0, 2.0)
-    arm, shoulder = np.array([[0.015, 0.0, 1.1], [0.04, 0.0, 1.1]]), np.array([0.3, 0.1, 1.3])
+    arm, shoulder = np.array([[0.024, 0.0, 1.1], [0.045, 0.0, 1.1]]), np.array([0.3, 0.1, 1.3])
     moved, other = (
         [aside.step([post], arm, RADII, None, where) for _ in range(60)][-1]
         for aside, where in ((Aside(60.0), shoulder), (Aside(60.0), shoulder * [-1.0, 1.0, 1.0]))
