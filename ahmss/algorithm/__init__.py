@@ -9,7 +9,7 @@
     if __name__ == "__main__":
         run(nod)
 
-docs/writing-an-algorithm.md tells the rest. Main imports `ahmss.algorithm.launcher` and `ahmss.algorithm.messages`.
+docs/writing-an-algorithm.md tells the rest. Main imports `ahmss.processes.launcher` and `ahmss.algorithm.messages`.
 """
 
 from ahmss.algorithm.author import run

@@ -10,9 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import Start, encode_frame
-from ahmss.algorithm.process import AlgorithmProcess
 from ahmss.bench.compute import own_workspace, rig
 from ahmss.bench.display import watch
 from ahmss.body.inverse import grips
@@ -20,6 +18,8 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, AlgorithmError
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import AlgorithmProcess
 
 __all__ = ["CASES", "shown_fps", "start_ms_of"]
 

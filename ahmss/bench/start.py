@@ -9,7 +9,6 @@ import tempfile
 import time
 from pathlib import Path
 
-from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start, encode_frame
 from ahmss.bench.compute import clip_of, rig
 from ahmss.bench.meeting import meeting_site
@@ -18,6 +17,7 @@ from ahmss.body.skeleton import Skeleton
 from ahmss.database.records import AlgorithmEntry
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AlgorithmError, DependencyError
+from ahmss.processes.launcher import Launcher
 
 __all__ = ["start_ms"]
 

@@ -10,9 +10,7 @@ import msgspec
 import numpy as np
 
 from ahmss.algorithm.haste import too_few
-from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import State
-from ahmss.algorithm.process import Answer, Arrived, Note
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError, AlgorithmError, CommandError
@@ -28,6 +26,8 @@ from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.showing import Showing
 from ahmss.main.surroundings import NOTHING, among, known, latest
 from ahmss.main.telling import told
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Answer, Arrived, Note
 from ahmss.world.link import Pending
 
 __all__ = ["Control"]

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ahmss.algorithm.process import AlgorithmProcess
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
@@ -16,6 +15,7 @@ from ahmss.main.blending import Contribution
 from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, RECEIVE
 from ahmss.main.surroundings import NOTHING, known, latest
+from ahmss.processes.process import AlgorithmProcess
 from ahmss.world.link import Pending
 
 __all__ = ["Motion", "Mover", "Shown"]

@@ -9,8 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.process import Deadlines
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
 from ahmss.main.afforded import Actor
@@ -25,6 +23,8 @@ from ahmss.main.pace import Pace
 from ahmss.main.port import HumanModelPort
 from ahmss.main.script import Step
 from ahmss.main.stance import standing
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Deadlines
 from ahmss.world.address import Address
 from ahmss.world.client import WorldClient
 from ahmss.world.keys import ClientKeys

@@ -11,15 +11,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.controls import before, front_of, gone_to, is_taken, standing
 from ahmss.algorithm.haste import hurried
-from ahmss.algorithm.reaching import HEAD, Looking
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.reacher import heading_of
+from ahmss.skills.controls import before, front_of, gone_to, is_taken, standing
+from ahmss.skills.reaching import HEAD, Looking
 from ahmss.walking.goals import Goal
 
 LEGIBLE, NEARER = 1.2, 0.7  # metres, where its properties do not say; of that, from where one comes to read it

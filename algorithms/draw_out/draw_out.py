@@ -13,15 +13,15 @@ from math import ceil
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.begun import begun_at
-from ahmss.algorithm.controls import gone_to
-from ahmss.algorithm.pinching import Part, pinched
-from ahmss.algorithm.reaching import Looking
-from ahmss.algorithm.seat_room import drawn_back
-from ahmss.algorithm.stepping import walk_library
 from ahmss.body.array import Array
 from ahmss.body.quaternion import IDENTITY, rotate
 from ahmss.errors import AlgorithmError
+from ahmss.skills.begun import begun_at
+from ahmss.skills.controls import gone_to
+from ahmss.skills.pinching import Part, pinched
+from ahmss.skills.reaching import Looking
+from ahmss.skills.seat_room import drawn_back
+from ahmss.skills.stepping import walk_library
 from ahmss.walking.goals import Goal
 
 PULL = 0.26  # metres that an arm draws at a time, at the most

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.leading import led
 from ahmss.body.quaternion import rotate
+from ahmss.skills.leading import led
 
 MOST = 3.0  # metres that it goes, either way
 

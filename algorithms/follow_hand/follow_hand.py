@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanFrame, ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.grasping import from_skin, read_shape
 from ahmss.body.quaternion import normalize, rotate
+from ahmss.skills.grasping import from_skin, read_shape
 
 
 def follow_hand(task: ObjectTask) -> Iterator[ObjectPose]:

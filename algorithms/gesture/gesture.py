@@ -11,11 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.company import Watching
-from ahmss.algorithm.free_arm import arm_kept_out
 from ahmss.algorithm.haste import hurried
-from ahmss.algorithm.meanwhile import waited
-from ahmss.algorithm.stepping_back import arms_in, stepped_back
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX, fingers
@@ -24,6 +20,10 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.gestures import GESTURES, Gesture, Palm, arm_to, fingers_of, head_at, swung
 from ahmss.reaching.reacher import heading_of
 from ahmss.reaching.standing import Standing
+from ahmss.skills.company import Watching
+from ahmss.skills.free_arm import arm_kept_out
+from ahmss.skills.meanwhile import waited
+from ahmss.skills.stepping_back import arms_in, stepped_back
 
 CARES, HEAD = 3.0, 3.0  # importance of arms and head: a walk's are a tenth of it
 HANGS = 0.75  # of a bow's angle, by which the arms hang back to the vertical

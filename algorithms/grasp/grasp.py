@@ -12,13 +12,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, importance_of, run
-from ahmss.algorithm.at_ease import resampled, times_at_ease
-from ahmss.algorithm.closing_carried import closing_carried
-from ahmss.algorithm.closing_way import fingers_at, moved_at, palms_at
-from ahmss.algorithm.free_arm import free_arm_kept_out
-from ahmss.algorithm.grasping import Closing, closing, read_shape
-from ahmss.algorithm.meanwhile import waited
-from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import between, multiply, rotate, slerp
@@ -27,6 +20,13 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import Cylinder, closed, opened
 from ahmss.motion.steps import Steps
+from ahmss.skills.at_ease import resampled, times_at_ease
+from ahmss.skills.closing_carried import closing_carried
+from ahmss.skills.closing_way import fingers_at, moved_at, palms_at
+from ahmss.skills.free_arm import free_arm_kept_out
+from ahmss.skills.grasping import Closing, closing, read_shape
+from ahmss.skills.meanwhile import waited
+from ahmss.skills.word import closed_at_last
 
 TOO_FAR = 0.12  # metres between palm and wall beyond which closing the hand would catch nothing
 INTO_FINGERS = 0.01  # metres by which the object lies before the palm's middle, towards the fingers

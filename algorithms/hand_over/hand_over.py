@@ -13,12 +13,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
-from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.company import Watching, settled
-from ahmss.algorithm.meeting import again, come_to, go_to
-from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.links import INDEX, fingers
@@ -29,6 +24,11 @@ from ahmss.motion.edit import floor_frame
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.plan import Reaching
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.company import Watching, settled
+from ahmss.skills.meeting import again, come_to, go_to
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.reaching import Looking, performed, planned, prisms_of
 
 APART = (0.85, 1.05, 1.2)  # metres
 SHARE = 0.47  # of the way to the other at which the thing is held out

@@ -13,12 +13,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, importance_of, run
-from ahmss.algorithm.giving_way import GivingWay
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import between, conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
+from ahmss.skills.giving_way import GivingWay
 
 ENDLESS = 60  # frames that are given at a time to who does not say how many
 MOST, SOFT = np.radians(35.0), np.radians(10.0)  # that the wrist gives way, and the last part of it

@@ -16,12 +16,7 @@ from functools import partial
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.nearer import gone_nearer
-from ahmss.algorithm.out_of_reach import tell_missed
-from ahmss.algorithm.own_arm import in_own_arm
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
@@ -35,6 +30,11 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.nearer import gone_nearer
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.own_arm import in_own_arm
+from ahmss.skills.reaching import Looking, performed, planned, prisms_of
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds

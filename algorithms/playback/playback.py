@@ -12,13 +12,13 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.haste import hurried
-from ahmss.algorithm.staging import Staged, face, part, stage, stands
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.planting import feet
 from ahmss.motion.way import ways_of
+from ahmss.skills.staging import Staged, face, part, stage, stands
 
 BEARING = 0.5  # contacts above this bear weight
 TOO_FAR = 0.35  # metres that a hand may be asked to go beside where the clip has it

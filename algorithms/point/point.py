@@ -13,11 +13,7 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.box import filled
-from ahmss.algorithm.elbow_room import awaited
-from ahmss.algorithm.facing import faced
 from ahmss.algorithm.haste import hurried
-from ahmss.algorithm.reaching import Looking, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, fingers
@@ -31,6 +27,10 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.standing import Posture
+from ahmss.skills.box import filled
+from ahmss.skills.elbow_room import awaited
+from ahmss.skills.facing import faced
+from ahmss.skills.reaching import Looking, prisms_of, sides_of
 
 STRAIGHT = 0.995  # of the arm's length
 BEFORE = 0.12  # metres that the fingertip stays before what is near

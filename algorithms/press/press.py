@@ -13,16 +13,7 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.box import Box
-from ahmss.algorithm.controls import beside, clear_of, front_of, in_the_way, stood_before
-from ahmss.algorithm.elbow_room import awaited, crowding
-from ahmss.algorithm.going_back import gone_back, rows_made
 from ahmss.algorithm.haste import least
-from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.out_of_reach import tell_missed
-from ahmss.algorithm.reaching import performed, sides_of
-from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate, slerp
@@ -33,6 +24,15 @@ from ahmss.reaching.handpoints import hand_points
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.box import Box
+from ahmss.skills.controls import beside, clear_of, front_of, in_the_way, stood_before
+from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.going_back import gone_back, rows_made
+from ahmss.skills.keeping import kept_clear
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.reaching import performed, sides_of
+from ahmss.skills.smoothest import smoothest
 
 TRAVEL = 0.004  # metres, where neither parameter nor property says
 BEFORE, BACK = 0.035, 0.06  # metres before the face at which the finger is set, and to which it is drawn back

@@ -12,12 +12,6 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.before_grip import Before, goal_before, grips_before, refused
-from ahmss.algorithm.carried import reach_while_carried
-from ahmss.algorithm.grasping import read_shape
-from ahmss.algorithm.in_target import in_target
-from ahmss.algorithm.out_of_reach import tell_missed
-from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of, sides_of
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
@@ -27,6 +21,12 @@ from ahmss.reaching.goal import Goal, turned_otherwise
 from ahmss.reaching.performing import Fingers, Performed
 from ahmss.reaching.plan import Reaching
 from ahmss.reaching.prism import Prism
+from ahmss.skills.before_grip import Before, goal_before, grips_before, refused
+from ahmss.skills.carried import reach_while_carried
+from ahmss.skills.grasping import read_shape
+from ahmss.skills.in_target import in_target
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.reaching import Looking, goal_of, performed, planned, prisms_of, sides_of
 
 FLAW, TOUCHES = 2.0, 0.2  # of the arm on its way, from where on another turn of the palm is tried; another hand
 TOLD = 1.0, 1.0  # millimetres, degrees

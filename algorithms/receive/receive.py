@@ -14,16 +14,8 @@ from collections.abc import Generator, Iterator, Sequence
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
-from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.company import Watching, aside_of, settled
-from ahmss.algorithm.grasping import Closing, closing, read_shape
-from ahmss.algorithm.margins import Margin, margins
-from ahmss.algorithm.meanwhile import waited
-from ahmss.algorithm.meeting import FACING, again, come_to
 from ahmss.algorithm.messages import Goal as MessageGoal
-from ahmss.algorithm.out_of_reach import tell_missed
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.reaching import Looking, goal_of, performed, planned, prisms_of
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.links import INDEX, fingers
@@ -35,6 +27,14 @@ from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.company import Watching, aside_of, settled
+from ahmss.skills.grasping import Closing, closing, read_shape
+from ahmss.skills.margins import Margin, margins
+from ahmss.skills.meanwhile import waited
+from ahmss.skills.meeting import FACING, again, come_to
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.reaching import Looking, goal_of, performed, planned, prisms_of
 
 NEAR = 1.45  # metres to who gives, from where on it may be held out
 SHARES = (0.35, 0.68)  # of the way to them, between which it is held out

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, importance_of, run
-from ahmss.algorithm.company import Watching
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.errors import AlgorithmError
+from ahmss.skills.company import Watching
 
 CARES = 0.5  # the head's importance: a walk's is a sixth of it
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, WorldObject, run
-from ahmss.algorithm.castors import drawn_up, rolled_to
-from ahmss.algorithm.sitting import heading_of, seat_of
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
+from ahmss.skills.castors import drawn_up, rolled_to
+from ahmss.skills.sitting import heading_of, seat_of
 
 
 def roll(task: HumanTask) -> Iterator[Array]:

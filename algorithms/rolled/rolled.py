@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.sitting import heading_of
 from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.skills.sitting import heading_of
 
 ON = 0.2, 0.3  # metres: hips so near to the seat's middle, and so high over it at the most, are on it
 RESTS, RISES = 0.0003, 0.003  # metres a frame: hips that sink less have come down; metres over there: they stand up

@@ -13,15 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
-from ahmss.algorithm.begun import begun_at
-from ahmss.algorithm.castors import rolled_to
-from ahmss.algorithm.hands_aside import hands_aside
 from ahmss.algorithm.haste import hurried
-from ahmss.algorithm.rising import at_ease_on, drawn_in, risen
-from ahmss.algorithm.seat_room import in_its_room
-from ahmss.algorithm.sitting import Seated, heading_of, must_stand, seat_of
-from ahmss.algorithm.stepping import IMPORTANCE, Stance, ground_of, stepped, until_free, walk_library
-from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.kinematics import forward
@@ -31,6 +23,14 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.reaching.standing import Posture
+from ahmss.skills.begun import begun_at
+from ahmss.skills.castors import rolled_to
+from ahmss.skills.hands_aside import hands_aside
+from ahmss.skills.rising import at_ease_on, drawn_in, risen
+from ahmss.skills.seat_room import in_its_room
+from ahmss.skills.sitting import Seated, heading_of, must_stand, seat_of
+from ahmss.skills.stepping import IMPORTANCE, Stance, ground_of, stepped, until_free, walk_library
+from ahmss.skills.word import closed_at_last
 from ahmss.walking.goals import Goal, facing_of
 from ahmss.walking.library import BODY
 from ahmss.walking.obstacles import Obstacles

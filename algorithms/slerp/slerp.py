@@ -14,12 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.at_mouth import with_ease
-from ahmss.algorithm.hanging import Hanging
-from ahmss.algorithm.out_of_reach import come_nearer
-from ahmss.algorithm.reaching import prisms_of
-from ahmss.algorithm.staging import Staged, face, stage
-from ahmss.algorithm.trunk_clear import trunk_kept_clear
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
@@ -30,6 +24,12 @@ from ahmss.motion.clip import Clip
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.standing import Posture
 from ahmss.reaching.trunk_way import between
+from ahmss.skills.at_mouth import with_ease
+from ahmss.skills.hanging import Hanging
+from ahmss.skills.out_of_reach import come_nearer
+from ahmss.skills.reaching import prisms_of
+from ahmss.skills.staging import Staged, face, stage
+from ahmss.skills.trunk_clear import trunk_kept_clear
 
 HANDS = ("right", "left")
 GAZE = 4

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.leading import led
 from ahmss.body.array import Array
+from ahmss.skills.leading import led
 
 
 def slid(task: ObjectTask) -> Iterator[ObjectPose]:

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.pinching import Part, pinched
 from ahmss.body.array import Array
 from ahmss.body.quaternion import IDENTITY, rotate
 from ahmss.errors import AlgorithmError
+from ahmss.skills.pinching import Part, pinched
 
 LEAST, A_METRE = 0.35, 4.0  # seconds that it takes at least, and for a metre more
 NEXT_TO = 0.01  # of its way: nobody sees that it was moved

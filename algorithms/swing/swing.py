@@ -17,13 +17,6 @@ from lever import grip
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.controls import begun_at
-from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.meanwhile import Thinking, alongside
-from ahmss.algorithm.pacing import paced
-from ahmss.algorithm.reaching import Looking
-from ahmss.algorithm.stepping import IMPORTANCE, Stance, end_of, ground_of, rows_of, stepped, until_free, walk_library
-from ahmss.algorithm.tucking import Tucking
 from ahmss.body.arm_path import follow
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT, grips, solve
@@ -38,6 +31,13 @@ from ahmss.motion.steps import Steps
 from ahmss.motion.way import staying, ways_of
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.waist import bent_towards
+from ahmss.skills.controls import begun_at
+from ahmss.skills.keeping import kept_clear
+from ahmss.skills.meanwhile import Thinking, alongside
+from ahmss.skills.pacing import paced
+from ahmss.skills.reaching import Looking
+from ahmss.skills.stepping import IMPORTANCE, Stance, end_of, ground_of, rows_of, stepped, until_free, walk_library
+from ahmss.skills.tucking import Tucking
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.trip import Ground, Trip

@@ -15,14 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
-from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.meanwhile import waited
-from ahmss.algorithm.nearer import gone_nearer, short_of
-from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
-from ahmss.algorithm.reaching import Looking, performed, planned, prisms_of, sides_of
-from ahmss.algorithm.reading import before_eyes
-from ahmss.algorithm.sitting import seat_of
-from ahmss.algorithm.word import closed_at_last
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.kinematics import forward
@@ -42,6 +34,14 @@ from ahmss.reaching.leaning import Stretch, looking
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.meanwhile import waited
+from ahmss.skills.nearer import gone_nearer, short_of
+from ahmss.skills.out_of_reach import refuse_far, tell_missed
+from ahmss.skills.reaching import Looking, performed, planned, prisms_of, sides_of
+from ahmss.skills.reading import before_eyes
+from ahmss.skills.sitting import seat_of
+from ahmss.skills.word import closed_at_last
 
 BEFORE, LIFTS = 0.08, 0.05  # metres before the grip at which the open hand is set; by which it is lifted first
 WITHIN = 0.004  # metres that the bones of fingers may be in what else is there

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanFrame, ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.grasping import from_skin, read_shape
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import normalize
+from ahmss.skills.grasping import from_skin, read_shape
 
 NEAR, AT_IT = 0.008, 0.025  # metres between skin and shape, when it holds and when it is about to
 CLOSES = 5.0  # degrees by which the fingers have bent there

@@ -12,13 +12,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, run
-from ahmss.algorithm.company import Watching
-from ahmss.algorithm.meeting import come_to
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
 from ahmss.body.links import INDEX
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
+from ahmss.skills.company import Watching
+from ahmss.skills.meeting import come_to
 
 FACE_TO_FACE = (0.9, 1.1, 1.25)  # metres: the least, what is aimed at, the most
 BESIDE = (0.6, 0.75, 0.95)

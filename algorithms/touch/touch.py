@@ -14,14 +14,7 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, WorldObject, run
-from ahmss.algorithm.at_ease import at_ease
-from ahmss.algorithm.controls import in_the_way, stood_before
-from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.haste import least
-from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.out_of_reach import tell_missed
-from ahmss.algorithm.reaching import Looking, performed, prisms_of, sides_of
-from ahmss.algorithm.smoothest import smoothest
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
@@ -31,6 +24,13 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.controls import in_the_way, stood_before
+from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.keeping import kept_clear
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.reaching import Looking, performed, prisms_of, sides_of
+from ahmss.skills.smoothest import smoothest
 
 BEFORE, BACK = 0.035, 0.045  # metres before the glass at which the finger is set, and to which it is drawn back
 ONTO = 0.0005  # metres that the pad gives way

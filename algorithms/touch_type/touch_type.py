@@ -14,15 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.castors import drawn_up, rolled_to
-from ahmss.algorithm.controls import before, begun_at, front_of, gone_to
-from ahmss.algorithm.elbow_room import awaited
-from ahmss.algorithm.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
-from ahmss.algorithm.out_of_reach import MOST_MISSING, refuse_far, tell_missed
-from ahmss.algorithm.reaching import Looking, prisms_of
-from ahmss.algorithm.sitting import Seated, heading_of, seat_of
-from ahmss.algorithm.stepping import ground_of, walk_library
-from ahmss.algorithm.typing_hands import TypingHand
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX, fingers
@@ -36,6 +27,15 @@ from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.standing import Standing
+from ahmss.skills.castors import drawn_up, rolled_to
+from ahmss.skills.controls import before, begun_at, front_of, gone_to
+from ahmss.skills.elbow_room import awaited
+from ahmss.skills.keystrokes import CLICK, Key, Stroke, clicks, keys_of, strokes_of
+from ahmss.skills.out_of_reach import MOST_MISSING, refuse_far, tell_missed
+from ahmss.skills.reaching import Looking, prisms_of
+from ahmss.skills.sitting import Seated, heading_of, seat_of
+from ahmss.skills.stepping import ground_of, walk_library
+from ahmss.skills.typing_hands import TypingHand
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing as Stance
 from ahmss.walking.journey import footing

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
-from ahmss.algorithm.pinching import Part, pinched
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
+from ahmss.skills.pinching import Part, pinched
 
 TURNS = 0.75  # seconds
 HALF = 0.5  # of the turn: a wrist that can't make more of it does so much

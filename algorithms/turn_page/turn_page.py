@@ -12,10 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, run
-from ahmss.algorithm.at_ease import resampled, times_at_ease
-from ahmss.algorithm.out_of_reach import refuse_far, tell_missed
-from ahmss.algorithm.reaching import Looking, performed
-from ahmss.algorithm.reading import brought
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate, slerp
@@ -29,6 +25,10 @@ from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.standing import Posture
+from ahmss.skills.at_ease import resampled, times_at_ease
+from ahmss.skills.out_of_reach import refuse_far, tell_missed
+from ahmss.skills.reaching import Looking, performed
+from ahmss.skills.reading import brought
 
 BEFORE, OVER = 0.06, 0.05  # metres beside the leaf at which the hand is set; over it, on its way home
 COMES, CLOSES, LEADS, OPENS, RETURNS = 0.3, 0.2, 0.8, 0.15, 0.6  # seconds

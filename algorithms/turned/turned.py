@@ -12,9 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.leading import led
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
+from ahmss.skills.leading import led
 
 ON_AXIS = 0.01  # metres: what is taken so near to its axis, as a knob, turns as the hand turns
 LARGEST = 1.57  # radians, where its properties do not say

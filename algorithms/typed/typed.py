@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
-from ahmss.algorithm.keystrokes import BACK, CLICK, Key, keys_of, pushed
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.grasping.fingertips import pad
+from ahmss.skills.keystrokes import BACK, CLICK, Key, keys_of, pushed
 
 TIPS = [INDEX[f"{side}_{finger}_distal"] for side in ("right", "left")
         for finger in ("thumb", "index", "middle", "ring", "little")]  # fmt: skip

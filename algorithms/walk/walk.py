@@ -12,16 +12,16 @@ from functools import partial
 import numpy as np
 
 from ahmss.algorithm import HumanTask, run
-from ahmss.algorithm.keeping import kept_clear
-from ahmss.algorithm.letting_down import let_down, let_down_free
 from ahmss.algorithm.place import WorldObject
-from ahmss.algorithm.rising import risen
-from ahmss.algorithm.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
-from ahmss.algorithm.tucking import Tucking
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 from ahmss.motion.way import staying
+from ahmss.skills.keeping import kept_clear
+from ahmss.skills.letting_down import let_down, let_down_free
+from ahmss.skills.rising import risen
+from ahmss.skills.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
+from ahmss.skills.tucking import Tucking
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, check_floor, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library

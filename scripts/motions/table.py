@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ahmss.algorithm import Transform, importance_of
-from ahmss.algorithm.staging import lips
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, RIGHT_HAND
 from ahmss.body.kinematics import forward
@@ -16,6 +15,7 @@ from ahmss.body.quaternion import from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip, ClipHeader
 from ahmss.motion.poser import STANDING, Arm, Fingers, Posture, pose
+from ahmss.skills.staging import lips
 from motions.scene import Scene
 
 __all__ = ["clips"]

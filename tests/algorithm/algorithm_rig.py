@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import encode_frame
-from ahmss.algorithm.process import AlgorithmProcess, Message
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import AlgorithmProcess, Message
 from ahmss.walking.catalogue import STRAIGHT
 from ahmss.walking.library import BODY, WalkClip
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 import pytest
 from algorithm_rig import HUMAN, ROOT, ROTATIONS
 
-from ahmss.algorithm.hire import Pool
-from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start
-from ahmss.algorithm.process import Deadlines
+from ahmss.processes.hire import Pool
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Deadlines
 
 
 @pytest.fixture

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from algorithm_rig import walk_clip
 
-from ahmss.algorithm import ahead, cache
-from ahmss.algorithm.child import Request
+from ahmss.algorithm import cache
 from ahmss.motion import clip as clips
+from ahmss.processes import ahead
+from ahmss.processes.child import Request
 from ahmss.walking.catalogue import STRAIGHT
 from ahmss.walking.library import Library, save
 

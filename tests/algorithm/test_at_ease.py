@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanTask
-from ahmss.algorithm.at_ease import at_ease, resampled
 from ahmss.algorithm.messages import PoseRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import solve
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.body.skeleton import Skeleton
+from ahmss.skills.at_ease import at_ease, resampled
 
 FRAMES, ARM = 40, INDEX["right_lower_arm"]
 Y, AHEAD = np.array([0.0, 1.0, 0.0]), np.array([0.3, -0.2, 0.2])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm.box import Box, nearest
 from ahmss.algorithm.place import Transform
 from ahmss.body.array import Array
 from ahmss.body.quaternion import normalize
+from ahmss.skills.box import Box, nearest
 
 FAR = 0.2
 

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanTask, Transform, grasping
-from ahmss.algorithm.closing_depth import closing_depth
-from ahmss.algorithm.grasping import closing, field_at
+from ahmss.algorithm import HumanTask, Transform
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import finished
+from ahmss.skills import grasping
+from ahmss.skills.closing_depth import closing_depth
+from ahmss.skills.grasping import closing, field_at
 from tests.algorithms.test_grasp import before_a_box
 
 SIZE, MOST = (0.05, 0.06, 0.12), 0.12

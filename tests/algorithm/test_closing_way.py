@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm.closing_way import THERE_BY, fingers_at, out_by, palms_at, there_by
 from ahmss.body.array import Array
 from ahmss.body.quaternion import rotate
 from ahmss.body.skeleton import Skeleton
@@ -16,6 +15,7 @@ from ahmss.grasping.holding import opener
 from ahmss.grasping.precision import precision
 from ahmss.motion.fingers import opened
 from ahmss.motion.steps import finished
+from ahmss.skills.closing_way import THERE_BY, fingers_at, out_by, palms_at, there_by
 from tests.grasping.shapes import box, frame
 
 SITE = frame((0.0, 0.0, 0.07), (1, 0, 0), (0, -1, 0))

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ahmss.algorithm import foresight
 from ahmss.algorithm.shape import TargetShape
 from ahmss.database import Workspace
 from ahmss.grasping import distance
+from ahmss.processes import foresight
 
 ROOT = Path(__file__).resolve().parents[2]
 WALL = np.array([0.0, 0.0, 0.052])  # the cup's

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm.hanging import Hanging
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
+from ahmss.skills.hanging import Hanging
 
 SKELETON = Skeleton.of(1.72)
 PIECE, PIECES = 30, 8

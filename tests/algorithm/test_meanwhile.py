@@ -7,9 +7,9 @@ from collections.abc import Generator
 import numpy as np
 import pytest
 
-from ahmss.algorithm.meanwhile import Thinking, alongside, waited
 from ahmss.body.array import Array
 from ahmss.motion.steps import Steps
+from ahmss.skills.meanwhile import Thinking, alongside, waited
 
 
 def counting(parts: int, done: list[int]) -> Steps[str]:

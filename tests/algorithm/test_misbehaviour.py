@@ -9,10 +9,10 @@ import signal
 import pytest
 from algorithm_rig import Entry, failure, frame, gone, object_frame, peer, play, wait_for
 
-from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.process import Answer, Deadlines, Note, Phase
-from ahmss.algorithm.silence import threads_of
 from ahmss.errors import AlgorithmError
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Answer, Deadlines, Note, Phase
+from ahmss.processes.silence import threads_of
 
 SENTENCES = {
     "crashes": "crashes at frame 30: it was killed by SIGABRT before its motion was over; "

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from algorithm_rig import ROTATIONS, Entry, play, wait_for
 
-from ahmss.algorithm.process import Answer, Done, Phase
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, norm, to_rotation_vector
+from ahmss.processes.process import Answer, Done, Phase
 
 SOURCE = Path(__file__).parents[2] / "algorithms" / "nod"
 GOLDEN = Path(__file__).parent / "golden"

@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for, walk_clip
 
-from ahmss.algorithm.child import Request
-from ahmss.algorithm.hire import Pool
-from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.process import Answer, Deadlines, Note, Phase
-from ahmss.algorithm.runtime import Meeting, private_directory, sweep
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip, save
+from ahmss.processes.child import Request
+from ahmss.processes.hire import Pool
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Answer, Deadlines, Note, Phase
+from ahmss.processes.runtime import Meeting, private_directory, sweep
 from ahmss.walking.catalogue import STRAIGHT
 from ahmss.walking.library import Library
 from ahmss.walking.library import save as save_library
@@ -93,7 +93,7 @@ def test_two_mains_share_the_pool(warm_launcher, make_start):
     mine = facts(warm_launcher, warm_launcher.start(tells(), make_start()))["parent"]
     program = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
-        "from ahmss.algorithm.hire import Pool\n"
+        "from ahmss.processes.hire import Pool\n"
         "pool = Pool(); print(pool.meeting.socket)"
     )
     theirs = subprocess.run([sys.executable, "-c", program, "."], capture_output=True, text=True, check=True)
@@ -278,9 +278,9 @@ def test_the_children_of_a_main_that_was_killed_end(own_pool, make_start, tmp_pa
         f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "from pathlib import Path\n"
         "from algorithm_rig import *\n"
-        "from ahmss.algorithm.hire import Pool\n"
+        "from ahmss.processes.hire import Pool\n"
         "from ahmss.algorithm.messages import PoseRecord, Start\n"
-        "from ahmss.algorithm.runtime import Meeting\n"
+        "from ahmss.processes.runtime import Meeting\n"
         "launcher = Launcher(warm=False)\n"
         f"launcher._pool = Pool(Meeting(Path({str(tmp_path)!r}), 'test'))\n"
         "start = Start(kind='human', frames=60, human=HUMAN.to_record(), pose=PoseRecord.of(ROTATIONS, ROOT))\n"

@@ -10,9 +10,9 @@ import subprocess
 import pytest
 from algorithm_rig import Entry, frame, peer, wait_for
 
-from ahmss.algorithm.launcher import Launcher
-from ahmss.algorithm.process import Deadlines
 from ahmss.errors import AlgorithmError
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Deadlines
 
 HOWS = ("good", "crashes", "exits", "writes_garbage", "length_two", "floods_log", "closes_output", "leaves_child")
 

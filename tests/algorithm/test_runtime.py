@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import ahmss
-from ahmss.algorithm import runtime
+from ahmss.processes import runtime
 
 ROOT = Path(ahmss.__file__).parent
 

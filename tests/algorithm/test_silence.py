@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from ahmss.algorithm.silence import Silence, Thread, share_of_each, threads_of
+from ahmss.processes.silence import Silence, Thread, share_of_each, threads_of
 
 
 class Machine:

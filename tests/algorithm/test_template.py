@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from algorithm_rig import object_frame, play
 
-from ahmss.algorithm.process import Answer
 from ahmss.algorithm.template import new_algorithm
 from ahmss.database.algorithms import AlgorithmFinder, NotBuilt
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
+from ahmss.processes.process import Answer
 
 CHECKOUT = Path(__file__).parents[2]
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from algorithm_rig import ROOT, ROTATIONS
 
-from ahmss.algorithm.check import check_human
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.algorithm.performance import Performance, frames
-from ahmss.algorithm.stepping import in_time, walkers
 from ahmss.algorithm.task import HumanTask, ObjectTask
 from ahmss.errors import ProtocolError, ShapeError
 from ahmss.motion.way import AHEAD, UNKNOWN
+from ahmss.processes.check import check_human
+from ahmss.skills.stepping import in_time, walkers
 from ahmss.walking.pieces import Piece
 
 WAY = np.arange(12.0).reshape(6, 2) / 4.0 + 1.0

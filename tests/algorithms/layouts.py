@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from ahmss.algorithm import HumanPose, Transform, WorldObject, frames
-from ahmss.algorithm.box import Box, boxes_of
-from ahmss.algorithm.controls import front_of
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.skills.box import Box, boxes_of
+from ahmss.skills.controls import front_of
 
 from .reached import outlined
 from .scene import WORKSPACE, Body, program

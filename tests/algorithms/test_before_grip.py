@@ -11,13 +11,14 @@ import pytest
 import trimesh
 from msgspec.structs import replace
 
-from ahmss.algorithm import HumanPose, Transform, grasping
+from ahmss.algorithm import HumanPose, Transform
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS, fingers
 from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.database import Workspace
 from ahmss.errors import AlgorithmError
+from ahmss.skills import grasping
 from tests.demo.skin import Skin
 from tests.grasping.shapes import box, lathe, mug, outside
 

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import Transform, frames
-from ahmss.algorithm.letting_down import let_down, let_down_free
 from ahmss.algorithm.task import HumanFrame, HumanTask
-from ahmss.algorithm.tucking import Tucking
 from ahmss.body.inertialisation import Inertialiser
 from ahmss.body.inverse import grips, solve
 from ahmss.body.kinematics import forward
@@ -21,6 +19,8 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
+from ahmss.skills.letting_down import let_down, let_down_free
+from ahmss.skills.tucking import Tucking
 
 from .reached import outlined, prisms
 from .scene import CUP, Body, frame_of, program, record

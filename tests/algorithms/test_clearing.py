@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanTask, Transform
-from ahmss.algorithm.clearing import gap_of, offs, refuse_touching
-from ahmss.algorithm.controls import beside
 from ahmss.errors import AlgorithmError
+from ahmss.skills.clearing import gap_of, offs, refuse_touching
+from ahmss.skills.controls import beside
 
 from .layouts import Control, Layout, about_z
 from .scene import Body

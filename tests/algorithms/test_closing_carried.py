@@ -7,9 +7,7 @@ from collections.abc import Callable, Iterable
 import msgspec
 import numpy as np
 
-from ahmss.algorithm.closing_carried import closing_carried
 from ahmss.algorithm.place import Transform
-from ahmss.algorithm.stepping import IMPORTANCE
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.blending import blend
@@ -21,6 +19,8 @@ from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import skin_of
 from ahmss.reaching.tracking import Tracking
+from ahmss.skills.closing_carried import closing_carried
+from ahmss.skills.stepping import IMPORTANCE
 
 from .reached import TABLE, outlined, prisms
 from .scene import CUP, Body, record

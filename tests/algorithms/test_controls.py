@@ -8,13 +8,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanTask, Transform, controls, frames
-from ahmss.algorithm.box import Box
-from ahmss.algorithm.controls import front_of
+from ahmss.algorithm import HumanTask, Transform, frames
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.errors import AlgorithmError
+from ahmss.skills import controls
+from ahmss.skills.box import Box
+from ahmss.skills.controls import front_of
 from ahmss.walking import trip
 
 from .layouts import Control, Layout, Used, about_z, used

@@ -10,10 +10,10 @@ import pytest
 
 from ahmss.algorithm import HumanTask, WorldObject, frames
 from ahmss.algorithm.messages import ObjectRecord
-from ahmss.algorithm.seat_room import drawn_back, in_its_room
 from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.main.play import PlaySetup, play_script
+from ahmss.skills.seat_room import drawn_back, in_its_room
 from tests.demo.recorded import Recorded
 
 from .devices import at, begun, device, mover

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, frames
-from ahmss.algorithm.box import filled
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
@@ -25,6 +24,7 @@ from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import arm_skin
 from ahmss.reaching.standing import centre_of_mass, support
+from ahmss.skills.box import filled
 from tests.algorithms.devices import at, device
 from tests.algorithms.reached import prisms
 from tests.algorithms.scene import WORKSPACE, Body, program

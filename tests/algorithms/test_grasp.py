@@ -10,9 +10,8 @@ import pytest
 import trimesh
 from msgspec.structs import replace
 
-from ahmss.algorithm import HumanPose, Transform, frames, grasping
+from ahmss.algorithm import HumanPose, Transform, frames
 from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, ShapeRecord, SiteRecord, Start
-from ahmss.algorithm.stepping import IMPORTANCE
 from ahmss.body.array import Array
 from ahmss.body.blending import blend
 from ahmss.body.inverse import solve
@@ -24,6 +23,8 @@ from ahmss.errors import AlgorithmError
 from ahmss.grasping import power
 from ahmss.grasping.field import Field
 from ahmss.motion.fingers import Cylinder, closed
+from ahmss.skills import grasping
+from ahmss.skills.stepping import IMPORTANCE
 from tests.demo.skin import Skin
 from tests.grasping.shapes import kind, outside, thing
 

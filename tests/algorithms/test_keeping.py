@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform
-from ahmss.algorithm.box import filled
-from ahmss.algorithm.giving_way import points_of
 from ahmss.algorithm.messages import Goal, ObjectRecord
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
@@ -17,6 +15,8 @@ from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
 from ahmss.reaching.moved_hand import with_hand_moved
 from ahmss.reaching.reacher import Reacher
+from ahmss.skills.box import filled
+from ahmss.skills.giving_way import points_of
 
 from .devices import at, begun, device, posed
 from .scene import WORKSPACE, Body, program

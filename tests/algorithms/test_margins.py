@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanTask, Transform
-from ahmss.algorithm.margins import margins
+from ahmss.skills.margins import margins
 
 from .devices import at, begun, device
 from .scene import Body

@@ -10,11 +10,11 @@ from msgspec import structs
 
 from ahmss.algorithm import HumanTask
 from ahmss.algorithm.messages import Goal, ObjectRecord
-from ahmss.algorithm.nearer import gone_nearer
-from ahmss.algorithm.out_of_reach import come_nearer, walk_there
-from ahmss.algorithm.reaching import Looking
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.goal import Goal as Reach
+from ahmss.skills.nearer import gone_nearer
+from ahmss.skills.out_of_reach import come_nearer, walk_there
+from ahmss.skills.reaching import Looking
 
 from .scene import CUP, FLOOR, Body, record
 from .test_reach import FREE

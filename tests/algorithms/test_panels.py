@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, Transform, frames
-from ahmss.algorithm.box import Box
 from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
+from ahmss.skills.box import Box
 
 from .layouts import Control, Layout, Used, about_z, somebody, used
 from .scene import Body, program

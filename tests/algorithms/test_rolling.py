@@ -10,11 +10,11 @@ import pytest
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
 from ahmss.algorithm.messages import Goal, ObjectRecord
-from ahmss.algorithm.sitting import heading_of, must_stand, seat_of
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.errors import AlgorithmError
 from ahmss.motion.contact import foot_points
+from ahmss.skills.sitting import heading_of, must_stand, seat_of
 
 from .devices import at, begun, device, mover
 from .scene import WORKSPACE, Body, program

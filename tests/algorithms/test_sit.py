@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, HumanTask, Transform, frames, stepping
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
@@ -21,6 +21,7 @@ from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
 from ahmss.reaching.standing import centre_of_mass
+from ahmss.skills import stepping
 from ahmss.walking import trip
 from ahmss.walking.walkers import Walker
 

@@ -9,7 +9,6 @@ import pytest
 from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.messages import Goal
 from ahmss.algorithm.performance import Performance
-from ahmss.algorithm.staging import lips
 from ahmss.body.arm import Arm, hand_angles
 from ahmss.body.inverse import GAZE, RIGHT_HAND, grips
 from ahmss.body.kinematics import forward
@@ -17,6 +16,7 @@ from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply, norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.skills.staging import lips
 
 from .reached import outlined
 from .scene import CUP, FLOOR, ROOT, TELEVISION, Body, frame_of, program, record

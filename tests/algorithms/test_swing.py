@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanPose, HumanTask, Transform, frames, stepping
+from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
 from ahmss.algorithm.messages import ObjectRecord, Start
 from ahmss.bench.solids import Solids
 from ahmss.body.arm import Arm, excess
@@ -26,6 +26,7 @@ from ahmss.motion.quality import worst_pop
 from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
+from ahmss.skills import stepping
 from tests.demo.skin import Skin
 from tests.grasping.shapes import kind, outside
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
-from ahmss.algorithm.keystrokes import Stroke, keys_of, strokes_of
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.fingertips import pad
+from ahmss.skills.keystrokes import Stroke, keys_of, strokes_of
 
 from .devices import SIDES, at, before, begun, device, mover, posed
 from .scene import WORKSPACE, Body, program, record

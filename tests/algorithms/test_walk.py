@@ -11,18 +11,18 @@ import pytest
 import shapely
 
 from ahmss.algorithm import frames
-from ahmss.algorithm.launcher import Launcher
 from ahmss.algorithm.messages import Goal, ObjectRecord, Start, encode_frame
 from ahmss.algorithm.performance import Performance
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.pose import HumanPose
-from ahmss.algorithm.process import Answer
 from ahmss.body.array import Array
 from ahmss.body.inverse import solve
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.processes.launcher import Launcher
+from ahmss.processes.process import Answer
 from ahmss.reaching.standing import Standing
 
 from .scene import FLOOR, WORKSPACE, Body, program, record

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import WorldObject
-from ahmss.algorithm.box import filled
 from ahmss.body.quaternion import rotate
 from ahmss.database.check import check
 from ahmss.database.footprint import triangles_of
@@ -19,6 +18,7 @@ from ahmss.database.panel import new_panel
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError, DataError
 from ahmss.reaching.prism import clearance
+from ahmss.skills.box import filled
 
 ROOT = Path(__file__).resolve().parents[2]
 

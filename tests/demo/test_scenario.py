@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ahmss.algorithm.staging import lips
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.smoothness import angular_steps, joint_motion, worst_pop
+from ahmss.skills.staging import lips
 
 from .conftest import CUP, DOOR, ROOT
 from .drawn import drawn

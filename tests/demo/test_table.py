@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm.staging import lips
 from ahmss.body.inverse import RIGHT_HAND
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vector
 from ahmss.motion.contact import foot_points
 from ahmss.motion.smoothness import joint_motion, worst_pop
+from ahmss.skills.staging import lips
 
 from .conftest import CUP
 from .recorded import Recorded

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from ahmss.algorithm.hire import Pool
 from ahmss.main.process import MainProcess, Setup
+from ahmss.processes.hire import Pool
 from ahmss.world.process import ServerProcess
 
 ROOT = Path(__file__).parents[2]

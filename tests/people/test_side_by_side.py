@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import HumanTask, Transform
-from ahmss.algorithm.elbow_room import awaited, crowding
 from ahmss.algorithm.messages import ObjectRecord, SiteRecord
-from ahmss.algorithm.reaching import Looking
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
@@ -21,6 +19,8 @@ from ahmss.main.body_parts import Parts
 from ahmss.main.company import site_number
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
+from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.reaching import Looking
 from tests.algorithms.devices import acting, at, before, begun, device, tips
 from tests.algorithms.scene import WORKSPACE, Body, program
 from tests.demo.recorded import Recorded

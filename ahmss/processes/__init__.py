@@ -1,0 +1,1 @@
+"""How main starts algorithm processes, asks them for frames, watches them, and ends them."""

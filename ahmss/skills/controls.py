@@ -1,0 +1,302 @@
+"""Controls on a panel: where one stands to use one, which neighbours a hand must not touch, and the steps there.
+
+A control's frame has x out of the panel and z up along it, so that its y axis is to the right of who stands before it.
+What it fills, its property `box` says, and who uses another leaves it alone. What the shipped algorithms that use
+controls share, and an author may use.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Generator, Iterable, Sequence
+
+import numpy as np
+
+from ahmss.algorithm.place import Transform
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.errors import AlgorithmError
+from ahmss.motion.steps import Steps
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.leaning import Stretch, stretch_of
+from ahmss.reaching.plan import Reaching
+from ahmss.reaching.prism import Prism
+from ahmss.reaching.reacher import Reacher
+from ahmss.skills.begun import begun_at
+from ahmss.skills.box import Box, boxes_of, nearest
+from ahmss.skills.out_of_reach import MOST_MISSING
+from ahmss.skills.reaching import Looking, prisms_of, sides_of
+from ahmss.skills.sighting import Sighting
+from ahmss.skills.stepping import ground_of, stepped, walk_library, walkers
+from ahmss.walking import goals
+from ahmss.walking.journey import Standing, footing
+from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free
+
+__all__ = [
+    "NEAR", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
+    "stance_at", "standing", "stood_before", "stretch_from",
+]  # fmt: skip
+
+NEAR = 0.6
+"""Metres from a control within which others are looked at."""
+
+_UP = np.array([0.0, 0.0, 1.0])
+_Y = np.array([0.0, 1.0, 0.0])
+_SKIN, _NEARLY = 0.012, 0.002  # metres that the bones of a hand keep from what is beside a control
+_FAR = 0.05  # metres: what is farther is as clear as can be
+_FLAT = 0.004  # metres: what is no higher is in nobody's way
+_CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
+_AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
+_ASIDE = 0.14  # metres that the hand's own side is before the control
+_BESIDE = tuple(
+    itertools.product((0.3, 0.42, 0.5, 0.56, 0.62), (0.54, 0.62, 0.46, 0.38))
+)  # the same two, beside who stands there
+_ROOM, _STANDING = 0.66, 0.1  # metres between the middles of two who stand side by side; m/s: who is slower stands
+_AT_EASE, _FROM_HERE = (
+    0.9,
+    1.02,
+)  # of the arm's length: where one would stand; up to where one leans instead of stepping
+_FACING = np.radians(55.0)  # that a control is aside of who uses it from where they stand
+_SEEN_FROM = np.cos(np.radians(70.0))  # how far aside of a control's axis one may stand to use it
+_MOST = 12.0  # metres that are walked to a control
+_STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
+_SPARSE = 3  # every so many palms show how easily an arm comes there
+
+
+def beside(task: HumanTask) -> list[Box]:
+    """What the other controls fill near the one that is used."""
+    if task.object is None:
+        return []
+    at = task.object.place
+    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < NEAR]
+    return [box for thing in near if "box" in thing.properties for box in boxes_of(thing)]
+
+
+def clear_of(boxes: Sequence[Box], palms: Array, points: Array) -> Array:
+    """Of palms (n, 7) those whose hands' points (n, m, 3) are clear of boxes; the clearest where none is."""
+    if not boxes:
+        return palms
+    gap = nearest(boxes, points, _FAR)
+    return palms[gap > min(_SKIN, float(gap.max()) - _NEARLY)]
+
+
+def in_the_way(task: HumanTask) -> list[Prism]:
+    """What a hand on its way to a control keeps clear of: what stands about, its neighbours among that."""
+    return [prism for prism in prisms_of(task) if not prism.sought and prism.high - prism.low > _FLAT]
+
+
+def front_of(control: Transform) -> Array:
+    """The level direction (2,), unit, in which one stands before a control."""
+    y = rotate(control.rotation, _Y)
+    front = np.array([y[1], -y[0]])  # y cross up
+    length = float(np.linalg.norm(front))
+    if length < 0.3:  # turned on its side: where it looks
+        front = rotate(control.rotation, np.array([1.0, 0.0, 0.0]))[:2]
+        length = float(np.linalg.norm(front))
+    return front / length if length > 1e-6 else np.array([1.0, 0.0])
+
+
+def before(task: HumanTask, away: float, aside: float = 0.0, front: Array | None = None) -> goals.Goal:
+    """Where one stands so far before the task's control, and so far to the left of it, clear of what stands about.
+
+    front: (2,) the level way from it to where one stands, of length 1; None: out of it.
+    """
+    assert task.object is not None
+    front = front_of(task.object.frame) if front is None else front
+    left = np.array([front[1], -front[0]])  # of who looks at it
+    wanted = task.object.place[:2] + away * front + aside * left
+    free = nearest_free(wanted, ground_of(task).outlines, _CLEAR)
+    return goals.Goal(free, float(np.arctan2(-front[1], -front[0])))
+
+
+def stood_before(
+    task: HumanTask, goal: Goal, prisms: Sequence[Prism], gaze: Looking | None = None
+) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """The task from where the control can be used, as it is or after steps (n, 260) to there; and the gaze on its way.
+
+    Args:
+        task: who uses the control; without a walk library nobody steps. goal: of the hand, its palms known.
+        prisms: what may be in the way. gaze: where it is on its way already.
+
+    Raises:
+        AlgorithmError: no place to stand serves; says by how much the arm is too short from the best.
+    """
+    task, gaze = yield from _stood(task, goal, prisms, Looking(task, goal.place) if gaze is None else gaze)
+    task.arrived()
+    return task, gaze
+
+
+def _stood(
+    task: HumanTask, goal: Goal, prisms: Sequence[Prism], gaze: Looking
+) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """As `stood_before`, before that is told."""
+    assert task.object is not None
+    if task.library is None:
+        return task, gaze
+    reaching = Reaching(task.human, task.start.rotations, task.start.root)
+    here = yield from gaze.during(_stretch(task, reaching, goal))
+    inside = _stands_in(task)
+    if inside:
+        task.note(f"steps out of {inside}, which was moved onto where one stands")
+    elif here.stretched < _FROM_HERE and here.found and _faces(task):
+        return task, gaze
+    stand = yield from gaze.during(_best_stand(task, goal, prisms))
+    try:
+        return (yield from gone_to(task, stand, gaze))
+    except AlgorithmError:
+        if not is_taken(stand, standing(task)):
+            raise
+        task = begun_at(task, task.present.rotations, task.present.root)  # they came meanwhile: one goes beside them
+        gaze = Looking(task, goal.place)
+        there = yield from gaze.during(_best_stand(task, goal, prisms))
+        if is_taken(there, standing(task)):
+            raise
+    return (yield from gone_to(task, there, gaze))
+
+
+def gone_to(
+    task: HumanTask, stand: goals.Goal, gaze: Looking, to: str = ""
+) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+    """The task from where one uses its control, after steps (n, 260) to there, the eyes on it while it is ahead.
+
+    Args:
+        task: whose control. stand: where. gaze: on its way. to: what one steps to; left out: the task's object.
+
+    Raises:
+        AlgorithmError: it is too far, or nobody gets there.
+    """
+    assert task.object is not None
+    steps = stepped(task, stand, ground_of(task), near=_STANDS_THERE, most=_MOST, to=to or task.object.name)
+    watching = Sighting(gaze, float(gaze.turned(np.array([gaze.frames]))[0]), task.rate)
+    while True:
+        try:
+            rows = next(steps)
+        except StopIteration as end:
+            moved = begun_at(task, end.value.rotations, end.value.root)
+            return moved, watching.goes_on(moved)
+        yield watching.over(rows)
+
+
+def _faces(task: HumanTask) -> bool:
+    """Whether the human stands before the control and looks there, more or less."""
+    assert task.object is not None
+    standing = Standing.of(task.human, walk_library(task))
+    now = footing(task.human, task.start.rotations, task.start.root, standing)
+    off = task.object.place[:2] - now.place
+    length = max(float(np.linalg.norm(off)), 1e-9)
+    aside = (np.arctan2(off[1], off[0]) - now.heading + np.pi) % (2.0 * np.pi) - np.pi
+    return bool(abs(aside) < _FACING and -off @ front_of(task.object.frame) / length > _SEEN_FROM)
+
+
+def _stands_in(task: HumanTask) -> str:
+    """The thing that stands where the human stands; "" where none does."""
+    ground = ground_of(task)
+    around = Obstacles.of(ground.outlines, 0.0, names=ground.names)
+    if not len(around.shapes):
+        return ""
+    near = around.clearance(task.start.root[:2])
+    i = int(near.argmin())
+    return around.names[i] if near[i] < 0.5 * NEAREST else ""
+
+
+def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[goals.Goal]:
+    """Where the arm comes to the control most easily.
+
+    Raises:
+        AlgorithmError: nowhere; says by how much it is too short.
+    """
+    assert task.object is not None
+    found = yield from _easiest(task, goal, itertools.product((_ASIDE,), _AWAY), ())
+    assert found is not None
+    stand, taken = found[0], standing(task)
+    if is_taken(stand, taken):
+        beside_them = yield from _easiest(task, goal, _BESIDE, taken)
+        if beside_them is not None:
+            there, arm = beside_them
+            if arm.found and arm.stretched < _FROM_HERE:
+                return there
+            if (yield from _leant(task, there, goal, prisms))[1].missing <= MOST_MISSING:
+                return there
+    side, arm = yield from _leant(task, stand, goal, prisms)
+    if arm.missing > MOST_MISSING:
+        x, y = stand.place.tolist()
+        raise AlgorithmError(
+            f"{task.object.name} is out of reach: the {side} arm is {arm.missing:.2f} m too short for it, even "
+            f"from where one stands nearest to it, at {x:.2f} {y:.2f}; have somebody taller do it, or move it"
+        )
+    return stand
+
+
+def _leant(task: HumanTask, stand: goals.Goal, goal: Goal, prisms: Sequence[Prism]) -> Steps[tuple[str, Stretch]]:
+    """The better arm of who would stand there, and how it comes to the goal, leaning."""
+    reaching = stance_at(task, stand)
+    reacher = yield from reaching.better_side(goal, _sides(task, goal))
+    _, _, arm = yield from reaching.posture(reacher, goal, prisms)
+    return reacher.side, arm
+
+
+def _easiest(
+    task: HumanTask, goal: Goal, places: Iterable[tuple[float, float]], taken: Sequence[Array]
+) -> Steps[tuple[goals.Goal, Stretch] | None]:
+    """Of places, so far to the hand's other side and so far away, the best, and how the arm comes from there.
+
+    None: all are too near to those taken.
+    """
+    best: tuple[float, goals.Goal, Stretch] | None = None
+    places = list(places)
+    for side in _sides(task, goal):
+        sign = 1.0 if side == "right" else -1.0
+        for aside, away in places:
+            stand = before(task, away, sign * aside)
+            if is_taken(stand, taken):
+                continue
+            arm = yield from _stretch(task, stance_at(task, stand), goal, (side,))
+            worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
+            if best is None or worth < best[0]:
+                best = worth, stand, arm
+            if arm.found and arm.stretched < _AT_EASE:
+                break
+            yield
+    return None if best is None else best[1:]
+
+
+def standing(task: HumanTask) -> list[Array]:
+    """Where others stand (2,)."""
+    return [other.place for other in walkers(task) if float(np.linalg.norm(other.velocity)) < _STANDING]
+
+
+def is_taken(stand: goals.Goal, taken: Sequence[Array]) -> bool:
+    """Whether somebody stands too near to a place."""
+    return any(float(np.linalg.norm(stand.place - place)) < _ROOM for place in taken)
+
+
+def stretch_from(task: HumanTask, stand: goals.Goal, goal: Goal) -> Steps[Stretch]:
+    """How the better arm of who would stand there comes to a goal, the trunk upright."""
+    return (yield from _stretch(task, stance_at(task, stand), goal))
+
+
+def stance_at(task: HumanTask, stand: goals.Goal) -> Reaching:
+    """Who would stand there."""
+    rotations, root = task.human.upright()
+    rotations = rotations.copy()
+    turn = from_axis_angle(_UP, np.array(stand.facing or 0.0))
+    rotations[0] = multiply(turn, rotations[0])
+    return Reaching(task.human, rotations, rotate(turn, root) + np.append(stand.place, 0.0))
+
+
+def _sides(task: HumanTask, goal: Goal) -> list[str]:
+    """The hands that may be used and have palms there."""
+    return [side for side in sides_of(task) if not goal.palms or side in goal.palms]
+
+
+def _stretch(task: HumanTask, reaching: Reaching, goal: Goal, sides: tuple[str, ...] | None = None) -> Steps[Stretch]:
+    """How the better arm comes to the goal, the trunk as it is."""
+    found: list[Stretch] = []
+    for side in _sides(task, goal) if sides is None else sides:
+        reacher = Reacher.of(task.human, side)
+        palms = reaching.palms(reacher, goal)[::_SPARSE]
+        _, arm = yield from stretch_of(reacher, palms, reaching.base, reaching.present(reacher), ())
+        found.append(arm)
+        yield
+    return min(found, key=lambda arm: (not arm.found, arm.cost))

@@ -1,0 +1,98 @@
+"""What can't be done with a control from where one stands, done from elsewhere: as with the other hand, say.
+
+Nobody goes anywhere in vain: what would come of it is worked out before the steps, while one looks at the control.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Generator
+from typing import TypeVar
+
+import numpy as np
+
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.errors import AlgorithmError
+from ahmss.motion.steps import Steps
+from ahmss.reaching.plan import Reaching
+from ahmss.skills.controls import before, begun_at, gone_to, is_taken, stance_at, standing
+from ahmss.skills.reaching import Looking
+from ahmss.walking import goals
+
+__all__ = ["or_elsewhere"]
+
+Worked = TypeVar("Worked")
+Attempt = Callable[[HumanTask, Looking], Generator[Array, None, Worked]]
+_MOST = 4  # stands from which it is tried
+_ASIDE = (0.14, -0.14, 0.3, -0.3, 0.0, 0.44, -0.44, 0.58, -0.58)  # metres that one stands aside of it
+_AWAY = (0.54, 0.46, 0.62, 0.38)  # metres before it
+_SAME = 0.08  # metres: stands so near to each other are one
+
+
+def or_elsewhere(
+    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worth: Callable[[Reaching], float]
+) -> Generator[Array, None, tuple[HumanTask, Looking, Worked]]:
+    """What an attempt comes to from where one stands; where it is refused, from elsewhere, after steps to there.
+
+    Args:
+        task: who uses a control; without a walk library nobody steps. gaze: on its way to the control.
+        attempt: works it out in frames (1, 260) in which only the gaze moves, for who stands as the task begins.
+        worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't.
+
+    Raises:
+        AlgorithmError: it is refused from everywhere; as it was from here.
+    """
+    try:
+        return task, gaze, (yield from attempt(task, gaze))
+    except AlgorithmError as error:
+        if task.library is None:
+            raise
+        refused = error
+    for stand in (yield from gaze.during(_stands(task, worth))):
+        if not (yield from _comes_off(task, stand, gaze, attempt)):
+            continue
+        task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where a hand has room")
+        task, gaze = yield from gone_to(task, stand, gaze)
+        try:
+            return task, gaze, (yield from attempt(task, gaze))
+        except AlgorithmError:  # who comes there does not stand just as was thought
+            continue
+    raise refused
+
+
+def _comes_off(
+    task: HumanTask, stand: goals.Goal, gaze: Looking, attempt: Attempt[Worked]
+) -> Generator[Array, None, bool]:
+    """Whether an attempt would come to anything from a stand; the frames (1, 260) in which that is thought of."""
+    there = stance_at(task, stand).start
+    thought = begun_at(task, there.rotations, there.root)
+    thought.notes = []
+    work = attempt(thought, Looking(thought, gaze.place, in_thought=True))
+    while True:
+        try:
+            next(work)
+        except StopIteration:
+            return True
+        except AlgorithmError:
+            return False
+        yield from gaze.if_there_is_time()
+
+
+def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[goals.Goal]]:
+    """Where else one might stand, the best first."""
+    taken, found = standing(task), list[tuple[float, goals.Goal]]()
+    places = [task.start.root[:2]]
+    for away, aside in itertools.product(_AWAY, _ASIDE):
+        stand = before(task, away, aside)
+        if is_taken(stand, taken) or _near(stand, places):
+            continue
+        places.append(stand.place)
+        found.append((worth(stance_at(task, stand)), stand))
+        yield
+    found = [one for one in found if one[0] > -np.inf]
+    return [stand for _, stand in sorted(found, key=lambda one: -one[0])][:_MOST]
+
+
+def _near(stand: goals.Goal, places: list[Array]) -> bool:
+    return any(float(np.linalg.norm(stand.place - place)) < _SAME for place in places)

@@ -1,0 +1,102 @@
+"""What is out of reach: refused with what brings one nearer, as a person would type it; or told, by how much."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ahmss.algorithm.place import WorldObject
+from ahmss.algorithm.task import HumanTask
+from ahmss.errors import AlgorithmError
+from ahmss.reaching.leaning import Stretch
+from ahmss.reaching.plan import Plan
+from ahmss.skills.sitting import heading_of, must_stand, stands
+from ahmss.walking.obstacles import nearest_free
+
+__all__ = ["MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there"]
+
+MOST_MISSING = 0.03
+"""Metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of."""
+
+_TOLD = 0.001  # metres
+_AT_IT = 0.9  # metres, level, from a thing's middle: who walks to it comes so near as a rule
+_BEFORE, _CLEAR, _SAME = 0.45, 0.26, 0.15  # metres: before a place; from things; from here, where a step is none
+_FACES = np.radians(60.0)  # to either side: who walks to a thing comes to face it
+
+
+def refuse_far(task: HumanTask, side: str, arm: Stretch, most: float = MOST_MISSING) -> None:
+    """Refuse what is out of reach rather than stretch for it in the air.
+
+    Raises:
+        AlgorithmError: says by how much, and what to do.
+    """
+    if arm.missing <= most:
+        return
+    if arm.folded:
+        by = f"{arm.missing:.2f} m"
+        raise AlgorithmError(f"that is {by} nearer to the {side} shoulder than its elbow bends; use the other hand")
+    raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; {come_nearer(task)}")
+
+
+def tell_missed(task: HumanTask, plan: Plan) -> None:
+    """Tell by how much the hand stops short, as near as the arm comes; of the plan that is carried out in the end."""
+    if plan.short > _TOLD:
+        goes = "as far as the elbow bends" if plan.arm.folded else "as far as the arm goes"
+        task.note(f"the {plan.reacher.side} hand stops {1000.0 * plan.short:.0f} mm short of it, {goes}")
+
+
+def come_nearer(task: HumanTask) -> str:
+    """What to do for an arm to come there: a line to be typed where one helps."""
+    if not stands(task):
+        return must_stand(task, "come nearer")
+    thing = _meant(task)
+    if thing is None:
+        return _step_nearer(task)
+    way = (thing.place - task.start.root)[:2]
+    aside = float(np.arctan2(way[1], way[0])) - heading_of(task.start.rotations)
+    faces = abs((aside + np.pi) % (2.0 * np.pi) - np.pi) < _FACES
+    if faces and float(np.hypot(*way)) < _AT_IT:
+        return "stand elsewhere, or move it nearer"
+    return walk_there(task, thing.name)
+
+
+def _step_nearer(task: HumanTask) -> str:
+    """What brings one nearer to a place: to where one can stand before it, on the way that one comes."""
+    assert task.goal_place is not None
+    place, here = task.goal_place[:2], task.start.root[:2]
+    away = float(np.linalg.norm(place - here))
+    rings = [ring for thing in task.world.values() if thing.kind != "human" for ring in thing.occupied]
+    stand = nearest_free(place + min(_BEFORE / max(away, 1e-9), 1.0) * (here - place), rings, _CLEAR)
+    if (away < _AT_IT and float(np.linalg.norm(stand - here)) < _SAME) or float(np.linalg.norm(stand - place)) > _AT_IT:
+        return "no step from here brings one nearer; say another place"
+    facing = np.degrees(np.arctan2(*(place - stand)[::-1]))
+    return f"`do {_floor(task)} walk to {stand[0]:.2f} {stand[1]:.2f} facing {facing:.0f}` first"
+
+
+def walk_there(task: HumanTask, name: str) -> str:
+    """How one walks to what has a name, as it is typed; else that one does."""
+    known = (*task.world.values(), task.object, task.goal_object)
+    names = [thing.name for thing in known if thing is not None]
+    if name not in names:
+        return "walk nearer first"
+    return f"`do {_floor(task)} walk to {_short(name, names)}` first"
+
+
+def _floor(task: HumanTask) -> str:
+    """The floor, as one names it."""
+    names = [thing.name for thing in (*task.world.values(), task.object) if thing is not None]
+    floors = [thing.name for thing in task.world.values() if thing.kind == "floor"]
+    return _short(min(floors, key=len), names) if floors else "floor"
+
+
+def _meant(task: HumanTask) -> WorldObject | None:
+    """The thing that the hand goes to: the one named as the goal, else the action's own; None where it is a place."""
+    if task.goal_object is not None or task.goal_place is not None:
+        return task.goal_object
+    return task.object
+
+
+def _short(name: str, names: list[str]) -> str:
+    """The last part of a name where no other ends in it, else all of it."""
+    last = name.rpartition("/")[2]
+    same = [other for other in names if other == last or other.endswith(f"/{last}")]
+    return last if len(set(same)) <= 1 else name

@@ -1,0 +1,327 @@
+"""A part of a thing between thumb and fingers: it is taken, goes its way with the hand, and is let go.
+
+A tap's lever, a slide, a knob. The reach is that of `reach`, the grip that of `grasp` at a site with a precision grip:
+the hand comes along its x, thumb and fingers close along its z. What the shipped algorithms that move a part share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
+from ahmss.body.inverse import grips
+from ahmss.body.links import fingers
+from ahmss.body.quaternion import rotate, slerp
+from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import Holding
+from ahmss.grasping.key_grip import curled
+from ahmss.grasping.rolling import rolled
+from ahmss.motion.easing import minimum_jerk
+from ahmss.reaching.goal import Goal
+from ahmss.reaching.going_on import GoingOn
+from ahmss.reaching.performing import Performed
+from ahmss.reaching.plan import Plan, Reaching
+from ahmss.reaching.prism import Prism
+from ahmss.skills.at_ease import at_ease
+from ahmss.skills.box import Box
+from ahmss.skills.clearing import KEEPS, WITHIN, gap_of, refuse_touching
+from ahmss.skills.controls import beside, in_the_way, stood_before
+from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.elsewhere import or_elsewhere
+from ahmss.skills.going_back import gone_back, rows_made
+from ahmss.skills.keeping import kept_clear
+from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.part_ways import (
+    Approach,
+    Grip,
+    Part,
+    approaches,
+    clearer,
+    grip_of,
+    kept_from,
+    lasting,
+    on_part,
+    open_hand,
+)
+from ahmss.skills.past_the_rest import Rest
+from ahmss.skills.reaching import Looking, performed, sides_of
+from ahmss.skills.smoothest import smoothest
+
+__all__ = ["Part", "pinched"]
+
+_COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
+_MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
+_REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
+_SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
+_MOST_WAYS = 3  # that are tried
+_OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
+
+
+def pinched(task: HumanTask, part: Part, other: Part | None = None) -> Iterator[Array]:
+    """Frames (n, 260) of what `_pinched` does, what the other hand holds kept out of the way."""
+    return kept_clear(task, _pinched(task, part, other))
+
+
+def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]:
+    """Frames (n, 260): the hand comes, closes, moves the part, opens, and goes back the way that it came.
+
+    Where the arm can't go all the way so it goes the other way, if there is one, with the same site. Where neighbours
+    would be touched it comes and goes otherwise: from farther before the part, aslant, with other palms, the other
+    hand, or from where one stands elsewhere.
+
+    Raises:
+        AlgorithmError: thumb and fingers can't close there, it is out of reach, something is in the way, or the hand
+            can't bring it where it is to go; says so.
+    """
+    gaze, taken, boxes = Looking(task, part.site.place), dict[str, list[Grip]](), kept_from(task, part)
+    yield gaze.alone()
+    for side in sides_of(task):
+        for over in _OVER:
+            if grip := grip_of(task, side, part, over):
+                taken.setdefault(side, []).append(grip)
+            yield gaze.alone()
+    if boxes:  # where fingers that do nothing would be in what is beside it, thumb and index finger take it alone
+        for side, found in taken.items():
+            taken[side] = [clearer(task, part, grip, boxes) for grip in found]
+            yield gaze.alone()
+    if not taken:
+        name = "it" if task.object is None else task.object.name
+        raise AlgorithmError(f"thumb and fingers can't close on {name} there; give the site another rotation")
+    ways = yield from approaches(task, part, taken, boxes, gaze)
+    prisms = in_the_way(task)
+    goal = Goal(part.site.place, palms=ways[0].clear)
+    task, gaze = yield from stood_before(task, goal, prisms, gaze)
+
+    def attempt(task: HumanTask, gaze: Looking) -> Generator[Array, None, tuple[_Tried, bool]]:
+        return _worked_out(task, ways, other, taken, prisms, boxes, gaze)
+
+    def worth(reaching: Reaching) -> float:
+        """Metres that a hand would have to spare which comes there from so."""
+        found = lasting(reaching, ways, 1)
+        return min(found[0].gap, KEEPS) if found else -np.inf
+
+    task, gaze, (best, is_last) = yield from or_elsewhere(task, gaze, attempt, worth)
+    waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
+    if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
+        best = replace(best, made=(yield from best.perform(best.plan)))
+        _refuse(task, best)
+    tell_missed(task, best.plan)
+    yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
+
+
+def _worked_out(
+    task: HumanTask, ways: Sequence[Approach], other: Part | None, taken: dict[str, list[Grip]],
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking,
+) -> Generator[Array, None, tuple[_Tried, bool]]:  # fmt: skip
+    """The best of some ways from where one stands, in frames (1, 260) of the gaze; and whether it was made last.
+
+    Raises:
+        AlgorithmError: it is out of reach, something is in the way, or the hand can't bring it where it is to go.
+    """
+    along, rest = partial(_along, ways[0].part), Rest(task)
+    reaching = GoingOn(task.human, task.start.rotations, task.start.root, along)
+    each = {side: [way.by(side) for way in ways if side in way.palms] for side in taken}  # for one hand alone
+    left = lasting(reaching, ways, _MOST_WAYS) or list(ways[:1])
+    best: _Tried | None = None
+    refused: AlgorithmError | None = None
+    one = None
+    while left:
+        way = left.pop(0)
+        try:
+            one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze, rest)
+        except AlgorithmError as error:  # another way may be within reach
+            refused = refused or error
+            continue
+        best = one if best is None or one.flaw < best.flaw else best
+        if best.flaw <= 0.0:
+            break
+        each.pop(one.plan.reacher.side, None)
+        if one.stays:  # wherever it comes from
+            left = [way for way in (way.without(one.plan.reacher.side) for way in left) if way.palms]
+        while not left and each and _touching(task, best):  # the ways are the clearest for both
+            _, own = each.popitem()
+            left = lasting(reaching, own, _MOST_WAYS) if own else []
+    if best is None:
+        assert refused is not None
+        raise refused
+    _refuse(task, best)
+    return best, best is one
+
+
+def _refuse(task: HumanTask, tried: _Tried) -> None:
+    """Refuse what would not come off.
+
+    Raises:
+        AlgorithmError: why not.
+    """
+    if short := _short(task, tried.part, tried.plan, tried.made):
+        raise AlgorithmError(short)
+    if touching := _touching(task, tried):
+        raise touching
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
+
+    on_part: how much of them while the hand is on the part. perform: makes a plan's frames anew.
+    """
+
+    flaw: float
+    on_part: float
+    part: Part
+    plan: Plan
+    made: Performed
+    perform: Callable[[Plan], Generator[Array, None, Performed]]
+
+    @property
+    def stays(self) -> bool:
+        """Whether it would be refused from wherever that hand comes."""
+        return self.on_part >= _REFUSED
+
+    def back(self, task: HumanTask) -> Array:
+        """Frames (n, 260) in which it goes back."""
+        return _back(task, self.part, self.plan, self.made)
+
+
+def _touching(task: HumanTask, tried: _Tried) -> AlgorithmError | None:
+    """Why it is not to be made, where its hand would be in what is beside."""
+    try:
+        refuse_touching(task, tried.plan.reacher.side, *_shown(tried.made, tried.back(task)), beside(task))
+    except AlgorithmError as error:
+        return error
+    return None
+
+
+def _tried(
+    task: HumanTask, way: Approach, other: Part | None, taken: dict[str, list[Grip]], reaching: Reaching,
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, rest: Rest,
+) -> Generator[Array, None, _Tried]:  # fmt: skip
+    """What comes of a way.
+
+    Raises:
+        AlgorithmError: it is out of reach so.
+    """
+    part = way.part
+    instead = None if other is None else replace(other, off=part.off)
+    goal = Goal(part.site.place, palms=way.clear)
+
+    def perform(plan: Plan) -> Generator[Array, None, Performed]:
+        grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
+        plan = yield from gaze.during(rest.round(plan, open_hand(task, plan.reacher.side, grip.holding), part.off))
+        yield from gaze.if_there_is_time()
+        made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
+        missed = _missed(task, part, plan, made)
+        if instead is None or missed <= _MISSED:
+            return made
+        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding)
+        return so if _missed(task, instead, plan, so) < missed else made
+
+    def missed(plan: Plan, made: Performed) -> float:
+        either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
+        return max(min(either) - _MISSED, 0.0) + (_REFUSED if _short(task, part, plan, made) else 0.0)
+
+    def touched(plan: Plan, rotations: Array, root: Array) -> float:
+        if not boxes:
+            return 0.0
+        gap, touching = (gap_of(task, plan.reacher.side, rotations, root, near) for near in (boxes, beside(task)))
+        return max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
+
+    def flaw(plan: Plan, made: Performed) -> float:
+        side, shown = plan.reacher.side, _shown(made, _back(task, part, plan, made))
+        return missed(plan, made) + crowding(task, made, side) + rest.depth(side, *shown) + touched(plan, *shown)
+
+    def on_part(plan: Plan, made: Performed) -> float:
+        on = np.flatnonzero(_moved(task, part, plan.palm)[1] > 0.0)
+        on += len(made.root) - len(_moved(task, part, plan.palm)[1])
+        return missed(plan, made) + touched(plan, made.rotations[on], made.root[on])
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
+    return _Tried(flaw(plan, made), on_part(plan, made), part, plan, made, perform)
+
+
+def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:
+    """Frames (n, 260) in which the hand goes back the way that it came to the part."""
+    return gone_back(task, made, len(made.root) - len(_moved(task, part, plan.palm)[0]), plan.reacher.links)
+
+
+def _shown(made: Performed, back: Array) -> tuple[Array, Array]:
+    """Rotations (n, 43, 4) and root (n, 3) of what is made and of the rows (m, 260) in which it goes back."""
+    rotations = np.concatenate([made.rotations, back[:, 4:176].reshape(-1, 43, 4)])
+    return rotations, np.concatenate([made.root, back[:, 1:4]])
+
+
+def _made(
+    task: HumanTask, part: Part, plan: Plan, gaze: Looking, reaching: Reaching, holding: Holding
+) -> Generator[Array, None, Performed]:
+    """The frames of a plan, the fingers closing and opening."""
+    side = plan.reacher.side
+    then, closed = _moved(task, part, plan.palm)
+    holding = _held(task, part, plan, holding)
+    wide, links = open_hand(task, side, holding), list(fingers(side))
+    made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
+    made.rotations[len(made.root) - len(then) :, links] = slerp(wide, holding.shape, closed[:, None])
+    return made
+
+
+def _held(task: HumanTask, part: Part, plan: Plan, holding: Holding) -> Holding:
+    """The grip closed on the part by the hand as it was set there, turned about it."""
+    thing = task.object
+    assert thing is not None
+    assert thing.shape is not None
+    assert task.site is not None
+    at_rest = thing.frame.inverse().then(task.site)  # the shape has the part so
+    palm = at_rest.then(part.site.inverse().then(part.palm(plan.palm)))
+    hand = Hand.of(task.human, plan.reacher.side)
+    again = rolled(hand, thing.shape.field(at_rest.place), palm.row(), holding)
+    return again if holding.wide is None else curled(hand, again)
+
+
+def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
+    """Metres by which a point of the hand at the part's distance from the palm is off at the most: the arm's joints."""
+    then, closed = _moved(task, part, plan.palm)
+    n, holds = len(then), closed > 0.0
+    got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
+    turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
+    return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned)[holds].max())
+
+
+def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:
+    """Why the part does not come to where it is to go; "" where it does, or nobody can tell."""
+    if part.short is None:
+        return ""
+    then, closed = _moved(task, part, plan.palm)
+    held = np.flatnonzero(closed == 1.0) - len(then)
+    first, last = (
+        grips(task.human, made.rotations[[k]], made.root[[k]])[0, plan.reacher.row] for k in (held[0], held[-1])
+    )
+    return part.short(first, last)
+
+
+def _along(part: Part, palms: Array) -> Array:
+    """Where palms (n, 7) that are on the part now are before it, and when it has gone its way, off it and on it."""
+    ends = np.array([0.0, 1.0, 1.0])
+    places = on_part(part, palms, ends)
+    places[:2, :, :3] += rotate(part.way(ends[:2])[1], part.off)[:, None]
+    return places
+
+
+def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
+    """Palms (n, 7) from before the part, where the hand is set (7,), to it, with it, off it, and back to where they
+    came from; and how far the fingers are closed (n), 0 to 1.
+    """
+    counts = [round(seconds * task.rate) for seconds in (_COMES, _CLOSES, part.seconds, _OPENS, _LEAVES, _RETURNS)]
+    share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
+    zero = [np.zeros(count) for count in counts]
+    back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
+    way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
+    closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
+    palms = on_part(part, part.palm(set_at).row()[None], way)[:, 0]
+    palms[:, :3] += back[:, None] * rotate(part.way(way)[1], part.off)
+    return palms, closed
