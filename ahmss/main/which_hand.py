@@ -8,6 +8,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.quaternion import rotate
 from ahmss.database.records import Affordance, ObjectKind
+from ahmss.errors import CommandError
 from ahmss.main.afforded import Actor
 from ahmss.main.command import Act
 
@@ -22,9 +23,17 @@ def choose(act: Act, affordance: Affordance, at: Array, actor: Actor, name: str)
 
     A free palm that is at the object (n, 3) already, because it has just been reached for, is nearer than any.
     What is taken is taken in a hand, unless its action says that it needs none: a chair is sat on.
+
+    Raises:
+        CommandError: the other hand holds what the action is done with.
     """
+    holding = actor.holds.get(name, "")
+    if act.hand and holding and act.hand != holding and affordance.hold in ("keep", "release"):
+        raise CommandError(
+            f"{name} {act.action}: {actor.name} holds it in the {holding} hand; leave out `hand {act.hand}`"
+        )
     if act.hand or name in actor.holds:
-        return act.hand or actor.holds[name]
+        return act.hand or holding
     in_hand = affordance.hold == "take" and affordance.needs.get("free_hands", 1.0) > 0.0
     if "hand" not in affordance.asks and not in_hand:
         return ""

@@ -181,6 +181,16 @@ def test_who_has_it_and_what_hands_are_full_of_is_said_in_words() -> None:
     assert refusal(room, "television/switch", "press", full) == takes
 
 
+def test_the_hand_that_does_not_hold_it_does_nothing_with_it() -> None:
+    room = Room()
+    room.held("room/cup", "ken")
+    order = Database(SHIPPED).order
+    with pytest.raises(CommandError, match=r"cup drink: ken holds it in the right hand; leave out `hand left`"):
+        order(Act("cup", "drink", hand="left"), room, ken(room__cup="right"))  # type: ignore[arg-type]
+    same = order(Act("cup", "drink", hand="right"), room, ken(room__cup="right"))  # type: ignore[arg-type]
+    assert same.hand == "right"
+
+
 def test_an_action_that_is_meant_is_named_also_where_it_is_a_part_that_affords_it() -> None:
     room = Room()
     with pytest.raises(CommandError, match=r'room/cup does not afford "grap"; did you mean grasp\?$'):
