@@ -241,6 +241,22 @@ def test_what_was_grasped_low_or_far_off_is_lifted_to_where_the_arm_holds_it_upr
     np.testing.assert_allclose(body.grip().place, shown[-1].targets[RIGHT_HAND, :3], atol=1e-3)
 
 
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_who_drinks_with_the_cup_taken_from_the_floor_brings_it_along_as_they_rise(name: str, hand: str) -> None:
+    """The hand was led to where the face was, not to where it would be: the arm was drawn out, the forearm by 13."""
+    body, side = Body(name, facing=0.0), ("right", "left").index(hand)
+    cup, hips = Transform(np.array([0.45, 0.2 * side - 0.1, 0.0]), np.array([1.0, 0.0, 0.0, 0.0])), body.root[2]
+    body.do("reach", body.start(CUP, "reach", hand=hand, frame=cup))
+    assert body.root[2] < hips - 0.15
+    before = body.rotations
+    shown = body.do("slerp", body.start(CUP, "drink", hand=hand, frame=cup))
+    arm = [INDEX[f"{hand}_{link}"] for link in ("upper_arm", "lower_arm", "hand")]
+    turned = np.stack([before, *(pose.rotations for pose in shown)])[:, arm]
+    by = np.degrees(2.0 * np.arccos(np.clip(np.abs((turned[1:] * turned[:-1]).sum(axis=-1)), 0.0, 1.0)))
+    assert by.max() < 6.0
+
+
 @pytest.mark.parametrize(
     ("length", "moved", "missing"), [(60, 0.0, "1.1"), (60, 1.25, ""), (60, 0.6, "0.5"), (2, 0.0, "1.1")]
 )
