@@ -26,6 +26,7 @@ from ahmss.main.command import Act, Value
 from ahmss.main.company import KIND
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
 from ahmss.main.naming import find_object
+from ahmss.main.occupied import refuse_occupied
 from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
 from ahmss.main.suggesting import some
@@ -145,6 +146,8 @@ class Database:
         reason = why_not(Meant(name, record, kind, affordance, scene.pose(name)), actor, order.title)
         if reason:
             raise CommandError(reason)
+        if "goal_position" in affordance.asks and name in actor.holds and order.goal.place is not None:
+            refuse_occupied(self.workspace, scene, order.title, name, np.array(order.goal.place), actor.root)
         if order.affordance.hold == GIVE:
             refuse_full(scene, order.title, name)
 

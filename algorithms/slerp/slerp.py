@@ -219,7 +219,7 @@ def _hand(task: HumanTask, staged: Staged, course: Course, base: Transform, row:
         before = np.broadcast_to(present.row(), shape)
     stops = np.stack([before, *ends])  # (K + 1, n, 7)
     a, b = stops[course.key, frames], stops[course.key + 1, frames]
-    if to_face and not task.carried:  # who rises has the face far from where it will be then: the hand would stay behind
+    if to_face and not task.carried:  # led to where the face is now, a hand stays behind who rises
         there = face(task, staged.rotations[0], staged.root[0])
         b = np.where((course.key == 0)[:, None], _wanted_grips(task, staged, there, row)[0].row(), b)
     out = np.empty((len(frames), 8))

@@ -131,3 +131,41 @@ def test_a_hand_that_is_there_already_does_not_reach_again() -> None:
         made.placed["room/cup"], position=tuple((palm + np.array([0.05, 0.0, -0.05])).tolist())
     )
     assert [order.affordance.name for order in database.orders([Act("cup", "grasp")], made, ken())] == ["grasp"]
+
+
+def beside(made: Room, x: float, y: float, kind: str = CUP, height: float = 0.88) -> None:
+    """Another thing of a kind at a place."""
+    made.objects["two"] = structs.replace(made.objects[kind], name="two", holder="", hand="")
+    made.placed["two"] = structs.replace(made.placed[kind], name="two", position=(x, y, height))
+
+
+@pytest.mark.parametrize("off", [(0.0, 0.0), (0.05, 0.0), (0.03, -0.05)])
+@pytest.mark.parametrize(("x", "y", "height"), [(0.42, 0.2, 0.88), (-0.8, 0.6, 0.0)])
+def test_it_is_not_put_into_what_stands_there_but_told_where_there_is_room(
+    off: tuple[float, float], x: float, y: float, height: float
+) -> None:
+    """A cup was put into another, which was lifted out."""
+    made, actor, database = room(), standing(0.0, 0.2, 0.0), Database(SHIPPED)
+    beside(made, x, y, height=height)
+    order = database.order(Act("cup", "put", goal_place=(x + off[0], y + off[1])), made, actor)
+    with pytest.raises(CommandError, match=r"room/cup put: two stands there; there is room at -?\d\.\d\d") as told:
+        database.check(order, made, actor)
+    said = str(told.value).partition("room at ")[2].partition(",")[0].split()
+    free = float(said[0]), float(said[1])
+    assert 0.072 + 0.025 < np.hypot(free[0] - x, free[1] - y) < 0.16
+    database.check(database.order(Act("cup", "put", goal_place=free), made, actor), made, actor)
+
+
+def test_who_puts_it_over_beside_or_under_what_stands_there_is_let() -> None:
+    made, actor, database = room(), standing(0.0, 0.2, 0.0), Database(SHIPPED)
+    beside(made, 0.42, 0.2)
+    for place in ((0.42, 0.2, 0.98), (0.5, 0.2), (0.42, 0.2, 0.0)):
+        database.check(database.order(Act("cup", "put", goal_place=place), made, actor), made, actor)
+
+
+def test_what_stands_on_the_floor_is_not_put_into_either() -> None:
+    made, actor, database = room(), standing(0.0, 0.2, 0.0), Database(SHIPPED)
+    chair = made.pose("room/chair")
+    order = database.order(Act("cup", "put", goal_place=(float(chair[0]), float(chair[1]))), made, actor)
+    with pytest.raises(CommandError, match="room/chair stands there"):
+        database.check(order, made, actor)
