@@ -23,59 +23,73 @@ from ahmss.walking import goals
 __all__ = ["or_elsewhere"]
 
 Worked = TypeVar("Worked")
-Attempt = Callable[[HumanTask, Looking], Generator[Array, None, Worked]]
-_MOST = 4  # stands from which it is tried
+Attempt = Callable[[HumanTask, Looking, Worked | None], Generator[Array, None, Worked]]
+_MOST = 5  # stands from which it is tried
+_CLEAN = 0.006  # metres: what is amiss by less is as good as can be
 _ASIDE = (0.14, -0.14, 0.3, -0.3, 0.0, 0.44, -0.44, 0.58, -0.58)  # metres that one stands aside of it
 _AWAY = (0.54, 0.46, 0.62, 0.38)  # metres before it
 _SAME = 0.08  # metres: stands so near to each other are one
 
 
 def or_elsewhere(
-    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worth: Callable[[Reaching], float]
+    task: HumanTask,
+    gaze: Looking,
+    attempt: Attempt[Worked],
+    worth: Callable[[Reaching], float],
+    flaw: Callable[[Worked], float],
 ) -> Generator[Array, None, tuple[HumanTask, Looking, Worked]]:
     """What an attempt comes to from where one stands; where it is refused, from elsewhere, after steps to there.
 
+    Of the places from where it comes off that with the least flaw; it is looked no further where that is next to none.
+
     Args:
         task: who uses a control; without a walk library nobody steps. gaze: on its way to the control.
-        attempt: works it out in frames (1, 260) in which only the gaze moves, for who stands as the task begins.
+        attempt: works it out in frames (1, 260) in which only the gaze moves, for who stands as the task begins; of
+            what it came to when it was thought of from there, if it was, it makes the same again where that serves.
         worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't.
+        flaw: metres by which what an attempt comes to is amiss.
 
     Raises:
         AlgorithmError: it is refused from everywhere; as it was from here.
     """
     try:
-        return task, gaze, (yield from attempt(task, gaze))
+        return task, gaze, (yield from attempt(task, gaze, None))
     except AlgorithmError as error:
         if task.library is None:
             raise
         refused = error
+    thought: list[tuple[float, goals.Goal, Worked]] = []
     for stand in (yield from gaze.during(_stands(task, worth))):
-        if not (yield from _comes_off(task, stand, gaze, attempt)):
-            continue
+        worked = yield from _thought_of(task, stand, gaze, attempt)
+        if worked is not None:
+            thought.append((flaw(worked), stand, worked))
+            if thought[-1][0] <= _CLEAN:
+                break
+    for _, stand, worked in sorted(thought, key=lambda one: one[0]):
         task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where a hand has room")
         task, gaze = yield from gone_to(task, stand, gaze)
         try:
-            return task, gaze, (yield from attempt(task, gaze))
+            return task, gaze, (yield from attempt(task, gaze, worked))
         except AlgorithmError:  # who comes there does not stand just as was thought
             continue
     raise refused
 
 
-def _comes_off(
+def _thought_of(
     task: HumanTask, stand: goals.Goal, gaze: Looking, attempt: Attempt[Worked]
-) -> Generator[Array, None, bool]:
-    """Whether an attempt would come to anything from a stand; the frames (1, 260) in which that is thought of."""
+) -> Generator[Array, None, Worked | None]:
+    """What an attempt would come to from a stand, None: to nothing; in frames (1, 260) while that is thought of."""
     there = stance_at(task, stand).start
     thought = begun_at(task, there.rotations, there.root)
     thought.notes = []
-    work = attempt(thought, Looking(thought, gaze.place, in_thought=True))
+    work = attempt(thought, Looking(thought, gaze.place, in_thought=True), None)
     while True:
         try:
             next(work)
-        except StopIteration:
-            return True
+        except StopIteration as end:
+            return end.value
         except AlgorithmError:
-            return False
+            return None
         yield from gaze.if_there_is_time()
 
 

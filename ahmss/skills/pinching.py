@@ -60,6 +60,7 @@ _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how
 _REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
 _MOST_WAYS = 3  # that are tried
+_AS_WELL = 0.001  # metres by which what comes of a way may be worse than was thought, so that no other is tried
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 
 
@@ -98,15 +99,18 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     goal = Goal(part.site.place, palms=ways[0].clear)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
 
-    def attempt(task: HumanTask, gaze: Looking) -> Generator[Array, None, tuple[_Tried, bool]]:
-        return _worked_out(task, ways, other, taken, prisms, boxes, gaze)
+    def attempt(
+        task: HumanTask, gaze: Looking, thought: tuple[_Tried, bool] | None
+    ) -> Generator[Array, None, tuple[_Tried, bool]]:
+        first = None if thought is None else thought[0]
+        return _worked_out(task, ways, other, taken, prisms, boxes, gaze, first)
 
     def worth(reaching: Reaching) -> float:
         """Metres that a hand would have to spare which comes there from so."""
         found = lasting(reaching, ways, 1)
         return min(found[0].gap, KEEPS) if found else -np.inf
 
-    task, gaze, (best, is_last) = yield from or_elsewhere(task, gaze, attempt, worth)
+    task, gaze, (best, is_last) = yield from or_elsewhere(task, gaze, attempt, worth, lambda worked: worked[0].flaw)
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
@@ -117,9 +121,11 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
 
 def _worked_out(
     task: HumanTask, ways: Sequence[Approach], other: Part | None, taken: dict[str, list[Grip]],
-    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking,
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, thought: _Tried | None,
 ) -> Generator[Array, None, tuple[_Tried, bool]]:  # fmt: skip
     """The best of some ways from where one stands, in frames (1, 260) of the gaze; and whether it was made last.
+
+    thought: what it came to when it was thought of; what comes off as well is not looked further for.
 
     Raises:
         AlgorithmError: it is out of reach, something is in the way, or the hand can't bring it where it is to go.
@@ -128,6 +134,8 @@ def _worked_out(
     reaching = GoingOn(task.human, task.start.rotations, task.start.root, along)
     each = {side: [way.by(side) for way in ways if side in way.palms] for side in taken}  # for one hand alone
     left = lasting(reaching, ways, _MOST_WAYS) or list(ways[:1])
+    enough = 0.0 if thought is None else thought.flaw + _AS_WELL
+    left = left if thought is None else [thought.way, *left]
     best: _Tried | None = None
     refused: AlgorithmError | None = None
     one = None
@@ -139,7 +147,7 @@ def _worked_out(
             refused = refused or error
             continue
         best = one if best is None or one.flaw < best.flaw else best
-        if best.flaw <= 0.0:
+        if best.flaw <= enough:
             break
         each.pop(one.plan.reacher.side, None)
         if one.stays:  # wherever it comes from
@@ -170,15 +178,21 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
 class _Tried:
     """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
 
-    on_part: how much of them while the hand is on the part. perform: makes a plan's frames anew.
+    on_part: how much of them while the hand is on the part. way: that of its hand alone. perform: makes a plan's
+    frames anew.
     """
 
     flaw: float
     on_part: float
-    part: Part
+    way: Approach
     plan: Plan
     made: Performed
     perform: Callable[[Plan], Generator[Array, None, Performed]]
+
+    @property
+    def part(self) -> Part:
+        """The part, as it is come to."""
+        return self.way.part
 
     @property
     def stays(self) -> bool:
@@ -243,7 +257,7 @@ def _tried(
         return missed(plan, made) + touched(plan, made.rotations[on], made.root[on])
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
-    return _Tried(flaw(plan, made), on_part(plan, made), part, plan, made, perform)
+    return _Tried(flaw(plan, made), on_part(plan, made), way.by(plan.reacher.side), plan, made, perform)
 
 
 def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import msgspec
 import numpy as np
+import pytest
 
-from ahmss.algorithm import Transform
+from ahmss.algorithm import HumanTask, Transform
 from ahmss.algorithm.messages import ObjectRecord
+from ahmss.body.array import Array
+from ahmss.errors import AlgorithmError
+from ahmss.motion.steps import Steps
+from ahmss.skills import elsewhere
+from ahmss.skills.reaching import Looking
+from ahmss.walking.goals import Goal
 
 from .layouts import Control, Layout, used
 from .scene import WORKSPACE, Body
@@ -35,3 +44,50 @@ def test_a_switch_that_the_hand_can_not_turn_from_here_is_turned_from_elsewhere(
     assert np.linalg.norm(went - np.array(SOMEBODY.place[:2])) > 0.5
     assert done.nearest(PANEL.others(SWITCH)) > -0.002
     assert len(done.shown) < 1200  # of which who looked for ways that could not serve stood there for thousands
+
+
+@pytest.mark.parametrize(
+    ("flaws", "goes", "thought_of"),
+    [([0.017, 0.052, 0.011], 2, 3), ([None, 0.017, 0.003, 0.0], 2, 3), ([0.0, 0.0], 0, 1)],
+)
+def test_of_the_places_from_where_it_comes_off_the_one_with_the_least_flaw_is_gone_to(
+    monkeypatch: pytest.MonkeyPatch, flaws: list[float | None], goes: int, thought_of: int
+) -> None:
+    """And what was thought of there is what is made there; where next to nothing is amiss no other is looked for."""
+    task = HumanTask(PANEL.start(SWITCH, Body("ken", 0.4988, -0.4529, 177.325), "turn", FROM, parameters=TO))
+    places = [Goal(np.array([float(i), 0.0]), 0.0) for i in range(len(flaws))]
+    gone: list[int] = []
+    tried: list[tuple[float, float | None]] = []
+
+    def stands(*_: object) -> Steps[list[Goal]]:
+        yield
+        return places
+
+    def went(task: HumanTask, stand: Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+        gone.append(int(stand.place[0]))
+        yield np.zeros((1, 260))
+        return task, gaze
+
+    def attempt(task: HumanTask, gaze: Looking, thought: float | None) -> Generator[Array, None, float]:
+        yield np.zeros((1, 260))
+        tried.append((float(task.start.root[0]), thought))
+        if thought is not None:
+            return thought
+        flaw = None if len(tried) == 1 else flaws[len(tried) - 2]  # first from here
+        if flaw is None:
+            raise AlgorithmError("it does not come off")
+        return flaw
+
+    monkeypatch.setattr(elsewhere, "_stands", stands)
+    monkeypatch.setattr(elsewhere, "gone_to", went)
+    work = elsewhere.or_elsewhere(task, Looking(task, np.zeros(3)), attempt, lambda _: 0.0, lambda flaw: flaw)
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            worked = end.value[2]
+            break
+    assert gone == [goes]
+    assert worked == flaws[goes]
+    assert tried[-1][1] == flaws[goes]
+    assert len(tried) == thought_of + 2
