@@ -10,7 +10,7 @@ contains it, as a cradle.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -35,12 +35,14 @@ from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.own_arm import in_own_arm
 from ahmss.skills.reaching import Looking, performed, planned, prisms_of
+from ahmss.skills.sunk import SUNK, sunk
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
 ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
 MOST_OFF, MOST_ASKEW = 0.005, 3.0  # metres and degrees by which it may come down beside its place
+WITHIN = 0.01  # metres: a place that is so deep in a thing is in it, and not on it
 EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
 STRETCHED = 0.98  # of the arm's length, at the end: farther one steps nearer
 SURELY = 0.955  # the same from where one will stand
@@ -56,6 +58,7 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     if task.carried:
         raise AlgorithmError("stand still to lay it down; walk there first")
     held = task.start.grip(task.hand).inverse().then(task.object.frame).inverse()
+    _refuse_sunk(task, held)
     gaze = Looking(task, _rests(task, 0.0, TURNS).place[0])
     laid = yield from _laid(task, held, gaze)
     if (isinstance(laid, AlgorithmError) or laid.poor) and task.library is not None:
@@ -79,6 +82,28 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     task.arrived()
     tell_missed(task, laid.plan)
     yield at_ease(task, laid.rows)
+
+
+def _refuse_sunk(task: HumanTask, held: Transform) -> None:
+    """Refuse a place where fingers would be in what it is laid on however it is turned, as in the middle of a table.
+
+    Raises:
+        AlgorithmError: they would; says by how much at the least.
+    """
+    assert task.object is not None
+    least = float(_sunk(task, _goal(task, held, 0.0, ANYHOW)).min())
+    if least >= SUNK:
+        raise AlgorithmError(
+            f"fingers would be {1000.0 * least:.0f} mm in what {task.object.name} is laid on; say a place where they "
+            "come under it, its edge over that of a desk"
+        )
+
+
+def _sunk(task: HumanTask, goal: Goal) -> Array:
+    """Metres (n) that the hand is in things with palms of a goal, but in what holds that place, as a shelf does."""
+    shape = task.start.rotations[list(fingers(task.hand))]
+    prisms = [one for one in _prisms(task) if not one.sought and float(one.signed(goal.place)) > -WITHIN]
+    return sunk(task, task.hand, goal.palms[task.hand], shape, prisms)
 
 
 def _lacks(task: HumanTask, arm: Stretch, most: float = STRETCHED) -> str:
@@ -110,6 +135,11 @@ def _laid(task: HumanTask, held: Transform, gaze: Looking) -> Generator[Array, N
     found: Laid | AlgorithmError | None = None
     for turns in (ANYHOW,) if is_round else (TURNS, ANYHOW):
         goal = _goal(task, held, heading_of(task.start.rotations, task.start.root), turns)
+        clear = _sunk(task, goal) < SUNK
+        if turns is TURNS and not clear.any():
+            continue
+        if clear.any():
+            goal = replace(goal, palms={task.hand: goal.palms[task.hand][clear]})
         try:
             plan = yield from planned(task, reaching, goal, gaze, _prisms(task), OVER * UP, most=MOST_OFF)
             found = yield from _performed(task, reaching, plan, gaze)

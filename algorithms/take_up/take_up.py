@@ -29,7 +29,6 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import Steps
 from ahmss.reaching.elbow import hangs, swung
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.handpoints import own_points, placed_points
 from ahmss.reaching.leaning import Stretch, looking
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
@@ -41,10 +40,10 @@ from ahmss.skills.out_of_reach import refuse_far, tell_missed
 from ahmss.skills.reaching import Looking, performed, planned, prisms_of, sides_of
 from ahmss.skills.reading import before_eyes
 from ahmss.skills.sitting import seat_of
+from ahmss.skills.sunk import SUNK, sunk
 from ahmss.skills.word import closed_at_last
 
 BEFORE, LIFTS = 0.08, 0.05  # metres before the grip at which the open hand is set; by which it is lifted first
-WITHIN = 0.004  # metres that the bones of fingers may be in what else is there
 COMES, CLOSES, HOLDS, RISES = 0.35, 0.35, 0.1, 0.3  # seconds
 TURNS = np.radians([-40.0, -20.0, 0.0, 20.0, 40.0])  # of the hand about the site's z
 EAR = np.array([-0.024, 0.086, 0.098])  # from between the eyes: up, to the side, back
@@ -161,12 +160,9 @@ def _above(task: HumanTask, grips: dict[str, Taking]) -> dict[str, Taking]:
     assert task.object is not None
     prisms, found, least = [prism for prism in prisms_of(task) if not prism.sought], dict[str, Taking](), np.inf
     for side, taking in grips.items():
-        points = placed_points(task.human, side, taking.palms, own_points(task.human, side, taking.holding.shape))
-        deep = np.max(
-            [np.full(len(points), -np.inf), *(-prism.signed(points).min(axis=-1) for prism in prisms)], axis=0
-        )
+        deep = sunk(task, side, taking.palms, taking.holding.shape, prisms)
         least = min(least, float(np.min(deep)))
-        if (clear := deep < WITHIN).any():
+        if (clear := deep < SUNK).any():
             found[side] = replace(taking, palms=taking.palms[clear])
     if not found:
         raise AlgorithmError(

@@ -220,6 +220,24 @@ def test_a_manual_is_laid_down_where_it_was_said() -> None:
     assert rotate(laid[-1].rotation, np.array([0.0, 0.0, 1.0]))[2] > 0.9999
 
 
+def test_a_manual_is_laid_over_the_edge_of_a_table_and_not_in_its_middle() -> None:
+    """Fingers that hold it by its margin were let into the table's top."""
+    scene = Scene("aiko", "left", "manual", "edge", "eyes")
+
+    def laid(over: float) -> list[HumanPose]:
+        """It is laid so far over the table's edge."""
+        middle = Transform(scene.base.apply(np.array([0.125 - over - 0.5, 0.0, -0.88])), scene.base.rotation)
+        table = msgspec.structs.replace(device("table", middle), id=9)
+        place = scene.base.place
+        return scene.goes_on("lay_down", {}, "release", goal=Goal(place=tuple(place.tolist())), world=[table])
+
+    with pytest.raises(
+        AlgorithmError, match=r"fingers would be \d+ mm in what telephone/manual is laid on; say a place"
+    ):
+        laid(-0.05)
+    assert np.linalg.norm(scene.both(laid(0.06))[-1].place - scene.base.place) < 0.003
+
+
 def test_who_does_not_reach_the_place_goes_to_where_they_do_and_lays_it_down() -> None:
     """Behind one, farther than the arm is long, as after a walk round a table."""
     scene = Scene("aiko", "right", "manual", "edge", "eyes")
