@@ -19,6 +19,7 @@ from ahmss.body.array import Array
 __all__ = ["shortest", "walls_around"]
 
 _OFF = 1e-3  # metres by which a corner of the way stands off the blocked floor's
+_SKEW = 5e-3  # radians by which a leg may cut a corner all the same
 _TURN = 0.1  # metres that a whole turn about at the start is worth: of two ways as long, the one ahead is taken
 
 Shapes = NDArray[Any]
@@ -104,14 +105,18 @@ def _stood_off(corners: Array) -> Array:
 
 
 def _passes(places: Array, corners: Array, at: NDArray[np.intp], to: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Whether a leg between places keeps a corner's both edges on one side; others can't be in a shortest way."""
+    """Whether a leg between places keeps a corner's both edges on one side; others can't be in a shortest way.
+
+    Both places stand off their corners, so that a leg along a short edge is askew to it.
+    """
     passes = np.ones(len(at), dtype=bool)
     inner = at >= 2
     corner = corners[at[inner] - 2]
     way = places[to[inner]] - places[at[inner]]
-    one, other = _cross(way, corner[:, 0] - corner[:, 1]), _cross(way, corner[:, 2] - corner[:, 1])
-    slack = 5e-3 * np.linalg.norm(way, axis=-1) * np.linalg.norm(corner[:, 0] - corner[:, 2], axis=-1)
-    passes[inner] = ((one > -slack) & (other > -slack)) | ((one < slack) & (other < slack))
+    edges = corner[:, [0, 2]] - corner[:, None, 1]
+    slack = np.linalg.norm(edges, axis=-1).T * (2.0 * _OFF + _SKEW * np.linalg.norm(way, axis=-1))
+    one, other = _cross(way, edges[:, 0]), _cross(way, edges[:, 1])
+    passes[inner] = ((one > -slack[0]) & (other > -slack[1])) | ((one < slack[0]) & (other < slack[1]))
     return passes
 
 
