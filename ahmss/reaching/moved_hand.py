@@ -10,6 +10,7 @@ from ahmss.body.arm_swing import HAND, limits_of, swing_of
 from ahmss.body.array import Array
 from ahmss.body.quaternion import align, conjugate, multiply, rotate
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.twist import twist_of, twisted
 
 __all__ = ["with_hand_moved"]
 
@@ -33,6 +34,7 @@ def with_hand_moved(reacher: Reacher, rotations: Array, root: Array, moved: Arra
     )
     held, (low, high) = hand_angles(links), limits_of(arm)[HAND].T
     made = with_hand(made, np.clip(hand_angles(made), np.minimum(low, held), np.maximum(high, held)))
+    made = twisted(made, twist_of(links))  # of the hand's turn the wrist has as much as before
     return align(arm.into_pose(made), before)
 
 

@@ -13,7 +13,7 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.motion.easing import minimum_jerk
 
-__all__ = ["handed_back", "untwisted"]
+__all__ = ["handed_back", "twist_of", "twisted", "untwisted"]
 
 _ALONG = np.array([1.0, 0.0, 0.0])  # of our links
 _FASTEST = np.radians(1.5)  # a frame: little beside what the joints turn otherwise
@@ -24,7 +24,7 @@ _PEAK = 1.875  # of a minimum jerk's mean speed
 def untwisted(links: Array) -> tuple[Array, float]:
     """An arm (3, 4) with the same wrist pose whose wrist only bends, and the turn, radians, that the wrist had."""
     turn, bend = split_wrist(links[2])
-    return np.stack([links[0], multiply(links[1], turn), bend]), float(2.0 * np.arctan2(turn[1], turn[0]))
+    return np.stack([links[0], multiply(links[1], turn), bend]), float(twist_of(links))
 
 
 def handed_back(links: Array, twist: float) -> Array:
@@ -36,7 +36,18 @@ def handed_back(links: Array, twist: float) -> Array:
     """
     frames = max(float(np.ceil(_PEAK * abs(twist) / _FASTEST)), _LEAST)
     left = twist * (1.0 - minimum_jerk(np.arange(1.0, len(links) + 1.0) / min(frames, len(links))))
+    return twisted(links, left)
+
+
+def twist_of(links: Array) -> Array:
+    """The turn (...), radians, that the wrists of arms (..., 3, 4) have."""
+    turn, _ = split_wrist(links[..., 2, :])
+    return 2.0 * np.arctan2(turn[..., 1], turn[..., 0])
+
+
+def twisted(links: Array, twist: Array) -> Array:
+    """Arms (..., 3, 4) whose wrists only bend, given so much (...) of the forearm's turn, radians; the hand stays."""
     out = links.copy()
-    out[:, 1] = multiply(links[:, 1], from_axis_angle(_ALONG, -left))
-    out[:, 2] = multiply(from_axis_angle(_ALONG, left), links[:, 2])
+    out[..., 1, :] = multiply(links[..., 1, :], from_axis_angle(_ALONG, -twist))
+    out[..., 2, :] = multiply(from_axis_angle(_ALONG, twist), links[..., 2, :])
     return out

@@ -31,3 +31,16 @@ def test_the_elbow_is_bent_softly_by_a_hand_that_is_led_farther_than_the_arm_is_
     )
     assert turns[:10].min() > 0.3
     assert turns.max() < 2.0  # a millimetre: into straight it is nearly six
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_wrist_that_has_some_of_the_forearms_turn_keeps_it(side: str) -> None:
+    """The forearm took it over as soon as the hand was moved at all: it turned by 14 degrees in a frame."""
+    rotations, root = HUMAN.upright()
+    reacher = Reacher.of(HUMAN, side)
+    for link, axis, angle in (("lower_arm", 1, 0.5), ("lower_arm", 0, 0.2), ("hand", 0, -0.35), ("hand", 1, 0.1)):
+        i = INDEX[f"{side}_{link}"]
+        rotations[i] = multiply(rotations[i], from_axis_angle(np.eye(3)[axis], angle))
+    before = rotations[reacher.links]
+    after = with_hand_moved(reacher, rotations, root, np.array([0.0, 0.0, 1e-4]))
+    assert np.degrees(np.linalg.norm(to_rotation_vector(multiply(conjugate(before), after)), axis=-1)).max() < 0.2
