@@ -14,7 +14,7 @@ import numpy as np
 from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.reaching.aside import AIR, Aside
-from ahmss.reaching.moved_hand import with_hand_moved
+from ahmss.reaching.moved_hand import gone_over
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
@@ -89,7 +89,7 @@ class Hanging:
         shares = np.minimum(np.linalg.norm(moved, axis=-1) / _ALL, 1.0)
         (aside,) = np.nonzero(shares)
         if len(aside):
-            made = with_hand_moved(self._reacher, rotations[aside], root[aside], moved[aside])
+            made = gone_over(self._reacher, rotations[aside], root[aside], moved[aside])
             rotations[aside, self._reacher.links] = made
         return shares
 

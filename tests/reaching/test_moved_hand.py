@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, to_rotation_vector
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, normalize, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
-from ahmss.reaching.moved_hand import with_hand_moved
+from ahmss.reaching.moved_hand import gone_over, with_hand_moved
 from ahmss.reaching.reacher import Reacher
 
 HUMAN = Skeleton.of(1.7, "male")
@@ -44,3 +45,30 @@ def test_a_wrist_that_has_some_of_the_forearms_turn_keeps_it(side: str) -> None:
     before = rotations[reacher.links]
     after = with_hand_moved(reacher, rotations, root, np.array([0.0, 0.0, 1e-4]))
     assert np.degrees(np.linalg.norm(to_rotation_vector(multiply(conjugate(before), after)), axis=-1)).max() < 0.2
+
+
+HALF_WAY = [  # of who stands up straight again from before a table
+    [0.574, 0.051, 0.375, -0.726],
+    [0.344, -0.256, 0.671, 0.605],
+    [0.947, 0.0, -0.28, -0.161],
+]
+
+
+def test_an_arm_half_way_between_two_poses_does_not_leap_as_its_hand_is_first_moved() -> None:
+    """Its elbow is no hinge: made one at once it turned by 8 degrees in a frame."""
+    rotations, root = HUMAN.upright()
+    reacher = Reacher.of(HUMAN, "right")
+    rotations[reacher.links] = normalize(np.array(HALF_WAY))
+    aside = np.zeros((70, 3))
+    aside[:, 2] = np.arange(70) * 0.002
+    poses, roots = np.repeat(rotations[None], 70, axis=0), np.repeat(root[None], 70, axis=0)
+    made, at_once = (move(reacher, poses, roots, aside) for move in (gone_over, with_hand_moved))
+
+    def turns(links: Array) -> Array:
+        steps = np.concatenate([rotations[None, reacher.links], links])
+        return np.degrees(np.linalg.norm(to_rotation_vector(multiply(conjugate(steps[:-1]), steps[1:])), axis=-1))
+
+    assert turns(at_once)[0].max() > 2.0
+    assert turns(made)[0].max() < 1e-6
+    assert turns(made).max() < 1.5
+    np.testing.assert_allclose(made[-1], at_once[-1], atol=1e-9)
