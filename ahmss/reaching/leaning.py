@@ -1,9 +1,10 @@
 """The posture from which an arm that is too short alone reaches a palm: turned, leant, lowered, as little as will do.
 
 A search over three numbers (turn, lean, drop of the hips), coarse and then finer: nothing is followed downhill, so a
-posture that serves is not missed. What it weighs is effort against how far the arm is stretched, which trunks begin to
-spare from 85 to 90 % of its length (Kaminski 1995), against joints beyond their limits, and against being
-inside things.
+posture that serves is not missed. Where it ends short, or in a thing, there is another over four: the trunk is turned
+either way, and leant past what is to be reached, beside a table's edge, say. What they weigh is effort against how far
+the arm is stretched, which trunks begin to spare from 85 to 90 % of its length (Kaminski 1995), against joints beyond
+their limits, and against being inside things.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
+from ahmss.reaching.leans import Leans, past, towards
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import MARGIN, UPPER_ARM, gaps
@@ -32,16 +34,20 @@ __all__ = ["Stretch", "looking", "overbent", "posture_for", "stretch_of", "sunk"
 EASY, STRETCHED = 0.86, 0.955
 """Shares of the arm's length up to which the trunk stays, and from which it gives all that is missing."""
 
-_TURNS, _LEANS, _DROPS = (0.0, 0.5, 1.0), np.radians([0.0, 14.0, 32.0, 55.0, 80.0, 105.0]), (0.0, 0.12, 0.3, 0.5)
-_STEP = np.array([0.25, np.radians(9.0), 0.09])
 _MOST_TURN, _ADVANCE, _ASIDE = np.radians(60.0), np.radians(15.0), np.radians(80.0)
-_EFFORT = np.array([0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2])
+_EFFORT = np.array(
+    [0.5 / np.radians(40.0) ** 2, 1.0 / np.radians(60.0) ** 2, 1.3 / 0.3**2, 0.5 / np.radians(60.0) ** 2]
+)
 _KNEES, _LOW = 4.0, (0.25, 0.4)  # a metre of bent knees for what is not low; low ends so high, metres, and over so many
 _EASY, _TOO_FAR, _ARM, _INSIDE, _SUNK, _LIMIT = 4.0, 600.0, 0.15, 400.0, 1e5, 3000.0
 _FLOOR, _ON_FLOOR = (0.1, 0.15), 10.0  # metres: so low, and over so many, an arm at ease is worth the knees' bending
 _HALF = 0.5
 _ROOM, _NOTHING = 0.02, 1e-6  # of the arm's length, by which an arm is to be less than bent altogether; metres
 _AT_ONCE, _KEPT = 24, 24  # palms whose skin is looked at together; that are tried in other postures too
+_TOGETHER = 72  # postures that are looked at together
+_FINER = 1.0, 0.4  # shares of a step by which the best of some is made better
+_SHORT, _FAR = 0.03, 0.4  # metres, beyond the first of which an arm ends short; of the second no other lean helps
+_SINKS = 0.004  # metres: a trunk so deep is in a thing
 _LEGS = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_leg", "lower_leg", "foot")]
 
 
@@ -72,26 +78,16 @@ def posture_for(
         present: (3, 4) the arm's links now.
         prisms: what trunk and knees are to keep out of.
     """
-    posture = standing.base
-    order, arm = yield from _easiest(reacher, palms, posture, present, prisms)
+    order, arm = yield from _easiest(reacher, palms, standing.base, present, prisms)
     if arm.found and arm.stretched <= EASY and arm.missing <= _NOTHING:
-        return posture, order[0], arm
-    kept = np.array(order[:_KEPT])
-    low = reacher.hand(palms[order[0]])[0][2] < sum(_LOW)
-    drops = _DROPS if low else _DROPS[:2]  # nobody sits down for what is high
-    grid = np.stack([a.ravel() for a in np.meshgrid(_TURNS, _LEANS, drops, indexing="ij")], axis=-1)
-    chosen, best = grid[0], order[0]
-    for step in (None, _STEP, 0.4 * _STEP):
-        yield
-        if step is not None:
-            around = np.stack([a.ravel() for a in np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3, indexing="ij")], axis=-1)
-            grid = np.clip(chosen + around * step, (0.0, 0.0, 0.0), (1.0, np.radians(115.0), 0.6))
-        chosen, posture = yield from _least(standing, reacher, palms[best], grid, present, prisms)
-        if step is not _STEP:  # by a step the arm changes little
-            yield
-            order, arm = yield from _easiest(reacher, palms[kept], posture, present, prisms)
-            best = int(kept[order[0]])
-    return posture, best, arm
+        return standing.base, order[0], arm
+    low = float(reacher.hand(palms[order[0]])[0][2]) < sum(_LOW)
+    cost, found = yield from _sought(standing, reacher, palms, order, towards(low), present, prisms)
+    short = found[2].missing
+    if short > _FAR or (short <= _SHORT and not _sinks(standing, found[0], prisms)):
+        return found
+    other, there = yield from _sought(standing, reacher, palms, order, past(low), present, prisms)
+    return there if other < cost else found
 
 
 def stretch_of(
@@ -146,22 +142,72 @@ def _with_skin(
     return total
 
 
+def _sought(
+    standing: Standing,
+    reacher: Reacher,
+    palms: Array,
+    order: Sequence[int],
+    leans: Leans,
+    present: Array,
+    prisms: Sequence[Prism],
+) -> Steps[tuple[float, tuple[Posture, int, Stretch]]]:
+    """What the posture costs that costs least, and it, the palm of several (n, 7) that is easiest from it, and the arm.
+
+    order: of the palms, the easiest for who stands first.
+    """
+    kept, best = np.array(order[:_KEPT]), order[0]
+    yield
+    cost, chosen, posture = yield from _least(standing, reacher, palms[best], leans, leans.grid(), present, prisms)
+    yield
+    order, _ = yield from _easiest(reacher, palms[kept], posture, present, prisms)
+    best = int(kept[order[0]])
+    for share in _FINER:  # by a step the arm changes little
+        yield
+        grid = leans.around(chosen, share)
+        cost, chosen, posture = yield from _least(standing, reacher, palms[best], leans, grid, present, prisms)
+    yield
+    order, arm = yield from _easiest(reacher, palms[kept], posture, present, prisms)
+    return cost, (posture, int(kept[order[0]]), arm)
+
+
 def _least(
+    standing: Standing,
+    reacher: Reacher,
+    palm: Array,
+    leans: Leans,
+    grid: Array,
+    present: Array,
+    prisms: Sequence[Prism],
+) -> Steps[tuple[float, Array, Posture]]:
+    """What those of some leans' numbers (n, 4) cost that cost least, they, and the posture that they make."""
+    turn = float(np.clip(_aside(standing, palm) - reacher.sign * _ADVANCE, -_MOST_TURN, _MOST_TURN))
+    numbers = leans.turned(grid, turn)
+    best: tuple[float, int, Posture] | None = None
+    for first in range(0, len(grid), _TOGETHER):
+        if first:
+            yield
+        some = numbers[first : first + _TOGETHER]
+        cost, i, made = yield from _least_of(standing, reacher, palm, some, present, prisms)
+        best = (cost, first + i, made) if best is None or cost < best[0] else best
+    assert best is not None
+    cost, i, made = best
+    return cost, grid[i], Posture(standing.on_feet(made.rotations, made.root), made.root)
+
+
+def _least_of(
     standing: Standing, reacher: Reacher, palm: Array, grid: Array, present: Array, prisms: Sequence[Prism]
-) -> Steps[tuple[Array, Posture]]:
-    """Of the numbers (n, 3) those that cost least, and the posture that they make."""
+) -> Steps[tuple[float, int, Posture]]:
+    """The same of a few, turns in radians, which of them it is, and the posture as it is sketched."""
     skeleton, n = standing.skeleton, len(grid)
+    turn, lean, drop, veer = grid.T
     wrist = reacher.hand(palm)[0]
-    off = palm[:2] - standing.base.root[:2]
-    aside = (np.arctan2(off[1], off[0]) - standing.heading + np.pi) % (2.0 * np.pi) - np.pi
-    turn = grid[:, 0] * np.clip(aside - reacher.sign * _ADVANCE, -_MOST_TURN, _MOST_TURN)
-    toward = np.full(n, standing.heading + np.clip(aside, -_ASIDE, _ASIDE))
-    made = standing.sketched(turn, grid[:, 1], toward, grid[:, 2], _load(standing, reacher, wrist))
+    toward = standing.heading + np.clip(_aside(standing, palm), -_ASIDE, _ASIDE) + veer
+    made = standing.sketched(turn, lean, toward, drop, _load(standing, reacher, wrist))
     yield
     seen = looking(skeleton, made.rotations, made.root, palm[:3])
     spine = seat(skeleton, seen, made.root)
-    cost = (_EFFORT * np.stack([turn, grid[:, 1], grid[:, 2]], axis=-1) ** 2).sum(axis=-1)
-    cost += _KNEES * np.clip((wrist[2] - _LOW[0]) / _LOW[1], 0.0, 1.0) * grid[:, 2]
+    cost = (_EFFORT * grid**2).sum(axis=-1)
+    cost += _KNEES * np.clip((wrist[2] - _LOW[0]) / _LOW[1], 0.0, 1.0) * drop
     stretched = np.linalg.norm(wrist - reacher.shoulder(spine), axis=-1) / reacher.length
     cost += _EASY * np.maximum(stretched - EASY, 0.0) ** 2 + _TOO_FAR * np.maximum(stretched - STRETCHED, 0.0) ** 2
     cost += _TOO_FAR * np.maximum(reacher.shortest / reacher.length + _ROOM - stretched, 0.0) ** 2
@@ -173,7 +219,19 @@ def _least(
         upper = gaps(reacher, np.broadcast_to(palm, (n, 7)), spine, present, prisms)[:, UPPER_ARM]
         cost += _SUNK * (np.minimum(upper, 0.0) ** 2).sum(axis=-1)
     i = int(np.argmin(cost))
-    return grid[i], Posture(standing.on_feet(made.rotations[i], made.root[i]), made.root[i])
+    return float(cost[i]), i, Posture(made.rotations[i], made.root[i])
+
+
+def _aside(standing: Standing, palm: Array) -> float:
+    """Radians, to the left, from where one faces to a palm (7,)."""
+    off = palm[:2] - standing.base.root[:2]
+    return float((np.arctan2(off[1], off[0]) - standing.heading + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def _sinks(standing: Standing, posture: Posture, prisms: Sequence[Prism]) -> bool:
+    """Whether the trunk of a posture (43, 4) is deeper in things than it is already."""
+    one = Posture(posture.rotations[None], posture.root[None])
+    return bool(prisms) and float(sunk(standing, one, prisms)[0]) > _SINKS**2
 
 
 def sunk(standing: Standing, made: Posture, prisms: Sequence[Prism]) -> Array:

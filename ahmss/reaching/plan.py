@@ -32,6 +32,7 @@ _SPINE = INDEX["spine"]
 _SAMPLES = 20  # of the trunk along the way
 _ENOUGH = 40  # palms by which one sees which arm comes there more easily
 _STRAIGHT, _BENT = 0.998, 1.002  # of an arm's length and of what it is bent altogether: no farther, no nearer
+_ENDS_SHORT = 0.001  # metres
 _STRETCH = 25.0  # what an arm's length beyond what is easy costs
 HAND_BY = 0.95
 """The share of the time by which the hand is there where the trunk helps: that begins with it and ends last."""
@@ -151,6 +152,22 @@ class Reaching:
         yield
         best, arm = yield from stretch_of(reacher, palms, bent, present, prisms)
         return bent, palms[best], arm
+
+    def better(self, goal: Goal, sides: Sequence[str], prisms: Sequence[Prism]) -> Steps[tuple[Reacher, Found]]:
+        """The arm of several that comes to the goal more easily, or nearer where that one ends short, and how."""
+        reacher = yield from self.better_side(goal, sides, prisms)
+        yield
+        best = reacher, (yield from self.posture(reacher, goal, prisms))
+        for side in sides:
+            if best[1][2].missing <= _ENDS_SHORT:
+                break
+            if side == reacher.side:
+                continue
+            yield
+            other = Reacher.of(self.skeleton, side)
+            found = yield from self.posture(other, goal, prisms)
+            best = min(best, (other, found), key=lambda one: one[1][2].missing)
+        return best
 
     def way(
         self, reacher: Reacher, found: Found, gaze: Array, prisms: Sequence[Prism], looked: float = 0.0

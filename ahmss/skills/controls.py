@@ -231,8 +231,7 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
 def _leant(task: HumanTask, stand: goals.Goal, goal: Goal, prisms: Sequence[Prism]) -> Steps[tuple[str, Stretch]]:
     """The better arm of who would stand there, and how it comes to the goal, leaning."""
     reaching = stance_at(task, stand)
-    reacher = yield from reaching.better_side(goal, _sides(task, goal))
-    _, _, arm = yield from reaching.posture(reacher, goal, prisms)
+    reacher, (_, _, arm) = yield from reaching.better(goal, _sides(task, goal), prisms)
     return reacher.side, arm
 
 

@@ -125,8 +125,8 @@ def _best(
 def _leant(task: HumanTask, stand: goals.Goal, wanted: Goal, prisms: Sequence[Prism]) -> Steps[Stretch]:
     """How the better arm of who would stand there comes to a goal, leaning."""
     leaning = stance_at(task, stand)
-    reacher = yield from leaning.better_side(wanted, [side for side in SIDES if side in wanted.palms])
-    _, _, arm = yield from leaning.posture(reacher, wanted, prisms)
+    sides = [side for side in SIDES if side in wanted.palms]
+    _, (_, _, arm) = yield from leaning.better(wanted, sides, prisms)
     return arm
 
 

@@ -139,9 +139,7 @@ def planned(
     """
     yield gaze.alone()
     sides = [side for side in sides or sides_of(task) if not goal.palms or side in goal.palms]
-    reacher = yield from gaze.during(reaching.better_side(goal, sides, prisms))
-    yield from gaze.if_there_is_time()
-    posture, palm, arm = yield from gaze.during(reaching.posture(reacher, goal, prisms))
+    reacher, (posture, palm, arm) = yield from gaze.during(reaching.better(goal, sides, prisms))
     refuse_far(task, reacher.side, arm, most)
     if off is not None:
         palm = np.concatenate([palm[:3] + off, palm[3:]])

@@ -38,6 +38,10 @@ def test_the_head_is_as_thick_as_its_skin(name: str) -> None:
         ("aiko", (0.78, 0.88, 0.32), (0.95, 1.22, -66.0)),
         pytest.param("ken", (0.59, 0.85, 0.33), (0.72, 1.27, -134.0), marks=pytest.mark.long),
         pytest.param("ken", (1.14, 1.03, 0.28), (1.01, 1.13, 19.0), marks=pytest.mark.long),
+        ("aiko", (0.92, 0.98, 0.06), (0.91, 1.14, -132.0)),  # leaning past it, else the arm is too short
+        pytest.param("ken", (0.45, 1.01, 0.2), (0.59, 1.23, -130.0), marks=pytest.mark.long),
+        pytest.param("ken", (1.17, 0.91, 0.14), (0.91, 1.15, -12.0), marks=pytest.mark.long),
+        ("aiko", (1.07, 0.73, 0.06), (0.99, 1.17, -86.0)),  # with the right hand, else the arm is too short
     ],
 )
 def test_who_bends_beside_a_table_is_not_in_its_top(
@@ -48,7 +52,7 @@ def test_who_bends_beside_a_table_is_not_in_its_top(
     shown = body.do("reach", msgspec.structs.replace(start, world=[outlined(record(TABLE), 11)]))
     palms = shown[-1].targets[:2]
     reached = palms[palms[:, 7] > 0.0][:, :3]
-    assert np.linalg.norm(reached - place, axis=-1).min() < 0.03
+    assert np.linalg.norm(reached - place, axis=-1).min() < 1e-3
     table = frame_of(TABLE)
     depths = [deepest(name, HumanPose(pose.rotations, pose.root), table, TOP) for pose in shown[::4]]
     assert max(depths)[0] < 1e-3, max(depths)
