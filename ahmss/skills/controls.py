@@ -15,7 +15,7 @@ import numpy as np
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.reaching.goal import Goal
@@ -28,14 +28,14 @@ from ahmss.skills.box import Box, boxes_of, nearest
 from ahmss.skills.out_of_reach import MOST_MISSING
 from ahmss.skills.reaching import Looking, prisms_of, sides_of
 from ahmss.skills.sighting import Sighting
-from ahmss.skills.stepping import ground_of, stepped, walk_library, walkers
+from ahmss.skills.stands import is_taken, stance_at, standing
+from ahmss.skills.stepping import ground_of, stepped, walk_library
 from ahmss.walking import goals
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free
 
 __all__ = [
-    "NEAR", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_taken",
-    "stance_at", "standing", "stood_before", "stretch_from",
+    "NEAR", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "stood_before", "stretch_from",
 ]  # fmt: skip
 
 NEAR = 0.6
@@ -52,7 +52,6 @@ _ASIDE = 0.14  # metres that the hand's own side is before the control
 _BESIDE = tuple(
     itertools.product((0.3, 0.42, 0.5, 0.56, 0.62), (0.54, 0.62, 0.46, 0.38))
 )  # the same two, beside who stands there
-_ROOM, _STANDING = 0.66, 0.1  # metres between the middles of two who stand side by side; m/s: who is slower stands
 _AT_EASE, _FROM_HERE = (
     0.9,
     1.02,
@@ -260,28 +259,9 @@ def _easiest(
     return None if best is None else best[1:]
 
 
-def standing(task: HumanTask) -> list[Array]:
-    """Where others stand (2,)."""
-    return [other.place for other in walkers(task) if float(np.linalg.norm(other.velocity)) < _STANDING]
-
-
-def is_taken(stand: goals.Goal, taken: Sequence[Array]) -> bool:
-    """Whether somebody stands too near to a place."""
-    return any(float(np.linalg.norm(stand.place - place)) < _ROOM for place in taken)
-
-
 def stretch_from(task: HumanTask, stand: goals.Goal, goal: Goal) -> Steps[Stretch]:
     """How the better arm of who would stand there comes to a goal, the trunk upright."""
     return (yield from _stretch(task, stance_at(task, stand), goal))
-
-
-def stance_at(task: HumanTask, stand: goals.Goal) -> Reaching:
-    """Who would stand there."""
-    rotations, root = task.human.upright()
-    rotations = rotations.copy()
-    turn = from_axis_angle(_UP, np.array(stand.facing or 0.0))
-    rotations[0] = multiply(turn, rotations[0])
-    return Reaching(task.human, rotations, rotate(turn, root) + np.append(stand.place, 0.0))
 
 
 def _sides(task: HumanTask, goal: Goal) -> list[str]:

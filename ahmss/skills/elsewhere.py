@@ -16,8 +16,9 @@ from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.reaching.plan import Reaching
-from ahmss.skills.controls import before, begun_at, gone_to, is_taken, stance_at, standing
+from ahmss.skills.controls import before, begun_at, gone_to
 from ahmss.skills.reaching import Looking
+from ahmss.skills.stands import is_taken, stance_at, standing
 from ahmss.walking import goals
 
 __all__ = ["or_elsewhere"]

@@ -9,7 +9,6 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 
 import numpy as np
-import shapely
 
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
@@ -19,26 +18,22 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import SIDES
-from ahmss.skills.controls import gone_to, is_taken, stance_at, standing, stretch_from
+from ahmss.skills.controls import gone_to, stretch_from
 from ahmss.skills.out_of_reach import MOST_MISSING
 from ahmss.skills.reaching import Looking
+from ahmss.skills.stands import CLEAR, FARTHEST, facing_it, stance_at, stands_at
 from ahmss.skills.stepping import ground_of, walk_library
 from ahmss.walking import goals
-from ahmss.walking.obstacles import Obstacles, nearest_free
+from ahmss.walking.obstacles import nearest_free
 
 __all__ = ["gone_nearer", "said", "short_of"]
 
-_CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
-_DIRECTIONS, _AWAY, _FARTHEST = 24, (0.5, 0.4, 0.62), 0.85  # metres from the place to who stands there
-_SAME = 0.06  # metres: places so near to each other are one
 _EASY = 0.9  # of the arm's length
 _LOOKED_AT = 16  # stands whose arm is looked at
 _LEANT_FROM = 4  # of these, from which one leans
 _MOST = 12.0  # metres that are stepped
-_A_METRE, _BETWEEN = 0.3, 5.0  # what it costs to go farther, and that a thing is between
 _LOW = 0.6  # of the hips' height: what is so far under them is on the floor, or nearly
 _BACK, _ON_IT = np.arange(0.05, 1.2, 0.05), 0.05  # metres towards oneself that are tried; from a top
-_OVER = 0.25  # metres over the place, up to which an arm comes over a thing
 
 
 def short_of(arm: Stretch) -> str:
@@ -89,7 +84,7 @@ def _best(
 ) -> Steps[goals.Goal]:
     """Where one stands: of the near places the first from which it is easy, else the best of those one leans from."""
     found: list[tuple[float, goals.Goal]] = []
-    for cost, stand in _stands(task, place)[:_LOOKED_AT]:
+    for cost, stand in stands_at(task, place)[:_LOOKED_AT]:
         assert stand.facing is not None
         arm = yield from stretch_from(task, stand, goal(stand.facing))
         if arm.found and arm.stretched < _EASY:
@@ -97,7 +92,7 @@ def _best(
         found.append((cost + arm.cost + 40.0 * max(arm.stretched - _EASY, 0.0) + (0.0 if arm.found else 20.0), stand))
         yield
     if not found:
-        stand = _facing(nearest_free(place[:2], ground_of(task).outlines, _CLEAR), place)
+        stand = facing_it(nearest_free(place[:2], ground_of(task).outlines, CLEAR), place)
         away = float(np.linalg.norm(place[:2] - stand.place))
         instead = yield from _instead(task, place, stand, goal, prisms, lacks)
         raise AlgorithmError(f"nobody can stand nearer to {said(place)} than {away:.2f} m; {instead}")
@@ -145,7 +140,7 @@ def _instead(
     wanted, back = goal(stand.facing), np.append(stand.place - place[:2], 0.0)
     under = [prism for prism in prisms if prism.over(place[None])[0] and abs(prism.high - place[2]) < _ON_IT]
     away, served = float(np.linalg.norm(back)), False
-    for by in _BACK[away - _BACK < _FARTHEST]:
+    for by in _BACK[away - _BACK < FARTHEST]:
         off = by * back / away
         if not any(prism.over((place + off)[None])[0] for prism in under):
             break
@@ -156,34 +151,3 @@ def _instead(
         served = not lacks(arm)
         yield
     return "say a place nearer to an edge"
-
-
-def _facing(place: Array, towards: Array) -> goals.Goal:
-    """Standing at a place (2,), facing another (3,)."""
-    way = towards[:2] - place
-    return goals.Goal(place, float(np.arctan2(way[1], way[0])))
-
-
-def _stands(task: HumanTask, place: Array) -> list[tuple[float, goals.Goal]]:
-    """Where one might stand and face a place (3,), and what each costs, those that serve best first."""
-    ground, taken, here = ground_of(task), standing(task), task.start.root[:2]
-    shapes = Obstacles.of(ground.outlines, 0.0).shapes
-    beside = shapely.distance(shapes, shapely.Point(place[:2])) > 0.0
-    high = np.array(ground.tops, float) > place[2] + _OVER
-    low, walls = shapes[beside & ~high], shapes[beside & high]
-    found: list[tuple[float, goals.Goal]] = []
-    for away in _AWAY:
-        for angle in np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False).tolist():
-            wanted = place[:2] + away * np.array([np.cos(angle), np.sin(angle)])
-            free = nearest_free(wanted, ground.outlines, _CLEAR)
-            stand, length = _facing(free, place), float(np.linalg.norm(place[:2] - free))
-            near = any(float(np.linalg.norm(free - other.place)) < _SAME for _, other in found)
-            if length > _FARTHEST or near or is_taken(stand, taken):
-                continue
-            line = shapely.LineString([free, place[:2]])
-            if shapely.intersects(walls, line).any():
-                continue  # nobody reaches through a wall
-            cost = 3.0 * abs(length - _AWAY[0]) + _A_METRE * float(np.linalg.norm(free - here))
-            cost += _BETWEEN * bool(shapely.intersects(low, line).any())
-            found.append((cost, stand))
-    return sorted(found, key=lambda one: one[0])

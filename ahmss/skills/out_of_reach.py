@@ -6,13 +6,14 @@ import numpy as np
 
 from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
+from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.plan import Plan
 from ahmss.skills.sitting import heading_of, must_stand, stands
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there"]
+__all__ = ["MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there", "walk_to"]
 
 MOST_MISSING = 0.03
 """Metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of."""
@@ -23,8 +24,12 @@ _BEFORE, _CLEAR, _SAME = 0.45, 0.26, 0.15  # metres: before a place; from things
 _FACES = np.radians(60.0)  # to either side: who walks to a thing comes to face it
 
 
-def refuse_far(task: HumanTask, side: str, arm: Stretch, most: float = MOST_MISSING) -> None:
+def refuse_far(task: HumanTask, side: str, arm: Stretch, most: float = MOST_MISSING, helps: str = "") -> None:
     """Refuse what is out of reach rather than stretch for it in the air.
+
+    Args:
+        task: whose. side, arm: how it comes there. most: metres that it may be too short.
+        helps: what to do; left out: to come nearer.
 
     Raises:
         AlgorithmError: says by how much, and what to do.
@@ -34,7 +39,9 @@ def refuse_far(task: HumanTask, side: str, arm: Stretch, most: float = MOST_MISS
     if arm.folded:
         by = f"{arm.missing:.2f} m"
         raise AlgorithmError(f"that is {by} nearer to the {side} shoulder than its elbow bends; use the other hand")
-    raise AlgorithmError(f"the {side} arm is {arm.missing:.2f} m too short for that from here; {come_nearer(task)}")
+    raise AlgorithmError(
+        f"the {side} arm is {arm.missing:.2f} m too short for that from here; {helps or come_nearer(task)}"
+    )
 
 
 def tell_missed(task: HumanTask, plan: Plan) -> None:
@@ -67,9 +74,14 @@ def _step_nearer(task: HumanTask) -> str:
     rings = [ring for thing in task.world.values() if thing.kind != "human" for ring in thing.occupied]
     stand = nearest_free(place + min(_BEFORE / max(away, 1e-9), 1.0) * (here - place), rings, _CLEAR)
     if (away < _AT_IT and float(np.linalg.norm(stand - here)) < _SAME) or float(np.linalg.norm(stand - place)) > _AT_IT:
-        return "no step from here brings one nearer; say another place"
-    facing = np.degrees(np.arctan2(*(place - stand)[::-1]))
-    return f"`do {_floor(task)} walk to {stand[0]:.2f} {stand[1]:.2f} facing {facing:.0f}` first"
+        return "say another place"
+    facing = float(np.arctan2(*(place - stand)[::-1]))
+    return f"{walk_to(task, stand, facing)} first"
+
+
+def walk_to(task: HumanTask, place: Array, facing: float) -> str:
+    """How one walks to a place (2,) and faces so many radians there, as it is typed."""
+    return f"`do {_floor(task)} walk to {place[0]:.2f} {place[1]:.2f} facing {np.degrees(facing):.0f}`"
 
 
 def walk_there(task: HumanTask, name: str) -> str:

@@ -5,7 +5,7 @@ What the shipped algorithms that bring a hand to something share, and an author 
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator
 from math import ceil
 from typing import TypeVar
 
@@ -29,9 +29,8 @@ from ahmss.reaching.performing import Fingers, Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.skills.box import filled
-from ahmss.skills.out_of_reach import MOST_MISSING, refuse_far
 
-__all__ = ["HEAD", "Looking", "goal_of", "performed", "planned", "prisms_of", "sides_of"]
+__all__ = ["HEAD", "Looking", "goal_of", "performed", "prisms_of", "sides_of"]
 
 Worked = TypeVar("Worked")
 _HEAD = INDEX["head"]
@@ -111,43 +110,6 @@ def prisms_of(task: HumanTask, besides: WorldObject | None = None) -> list[Prism
         low = float(thing.place[2])
         found += [Prism(ring, low, low + height, sought) for ring in thing.occupied if len(ring) >= 3]
     return found
-
-
-def planned(
-    task: HumanTask,
-    reaching: Reaching,
-    goal: Goal,
-    gaze: Looking,
-    prisms: Sequence[Prism],
-    off: Array | None = None,
-    sides: Sequence[str] = (),
-    most: float = MOST_MISSING,
-) -> Generator[Array, None, Plan]:
-    """The plan of a reach, made a part in each of a few frames (1, 260) in which only the gaze moves.
-
-    How short it stops is not told: that does `tell_missed`, of the plan that is carried out in the end.
-
-    Args:
-        task: whose. reaching: who. goal: where. gaze: on its way there.
-        prisms: what may be in the way.
-        off: (3,) metres by which the hand is first brought elsewhere, on its way to the goal.
-        sides: the hands that may be used; left out: all that `sides_of` has.
-        most: metres that the arm may be too short for it.
-
-    Raises:
-        AlgorithmError: it is out of reach; says by how much.
-    """
-    yield gaze.alone()
-    sides = [side for side in sides or sides_of(task) if not goal.palms or side in goal.palms]
-    reacher, (posture, palm, arm) = yield from gaze.during(reaching.better(goal, sides, prisms))
-    refuse_far(task, reacher.side, arm, most)
-    if off is not None:
-        palm = np.concatenate([palm[:3] + off, palm[3:]])
-    yield from gaze.if_there_is_time()
-    looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
-    plan = yield from gaze.during(reaching.way(reacher, (posture, palm, arm), goal.place, prisms, looked))
-    yield from gaze.if_there_is_time()
-    return plan
 
 
 def performed(

@@ -20,7 +20,8 @@ from ahmss.reaching.standing import Posture
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.meeting import again
 from ahmss.skills.out_of_reach import tell_missed
-from ahmss.skills.reaching import Looking, performed, planned, prisms_of
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking, performed, prisms_of
 
 __all__ = ["before_eyes", "brought"]
 

@@ -14,7 +14,8 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
-from ahmss.skills.reaching import Looking, planned
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking
 
 __all__ = ["smoothest"]
 

@@ -11,9 +11,10 @@ from ahmss.body.array import Array
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import arm_skin
-from ahmss.skills.controls import begun_at, is_taken, standing
+from ahmss.skills.controls import begun_at
 from ahmss.skills.reaching import prisms_of
 from ahmss.skills.sitting import heading_of, stands
+from ahmss.skills.stands import is_taken, standing
 from ahmss.skills.stepping import ground_of, stepped
 from ahmss.walking.goals import Goal
 from ahmss.walking.obstacles import nearest_free

@@ -18,8 +18,9 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.reacher import heading_of
-from ahmss.skills.controls import before, front_of, gone_to, is_taken, standing
+from ahmss.skills.controls import before, front_of, gone_to
 from ahmss.skills.reaching import HEAD, Looking
+from ahmss.skills.stands import is_taken, standing
 from ahmss.walking.goals import Goal
 
 LEGIBLE, NEARER = 1.2, 0.7  # metres, where its properties do not say; of that, from where one comes to read it

@@ -28,7 +28,8 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.company import Watching, settled
 from ahmss.skills.meeting import again, come_to, go_to
 from ahmss.skills.out_of_reach import tell_missed
-from ahmss.skills.reaching import Looking, performed, planned, prisms_of
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking, performed, prisms_of
 
 APART = (0.85, 1.05, 1.2)  # metres
 SHARE = 0.47  # of the way to the other at which the thing is held out

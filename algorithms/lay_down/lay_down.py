@@ -34,7 +34,8 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.own_arm import in_own_arm
-from ahmss.skills.reaching import Looking, performed, planned, prisms_of
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking, performed, prisms_of
 from ahmss.skills.sunk import SUNK, sunk
 
 OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back

@@ -26,7 +26,8 @@ from ahmss.skills.carried import reach_while_carried
 from ahmss.skills.grasping import read_shape
 from ahmss.skills.in_target import in_target
 from ahmss.skills.out_of_reach import tell_missed
-from ahmss.skills.reaching import Looking, goal_of, performed, planned, prisms_of, sides_of
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking, goal_of, performed, prisms_of, sides_of
 
 FLAW, TOUCHES = 2.0, 0.2  # of the arm on its way, from where on another turn of the palm is tried; another hand
 TOLD = 1.0, 1.0  # millimetres, degrees

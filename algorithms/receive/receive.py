@@ -34,7 +34,8 @@ from ahmss.skills.margins import Margin, margins
 from ahmss.skills.meanwhile import waited
 from ahmss.skills.meeting import FACING, again, come_to
 from ahmss.skills.out_of_reach import tell_missed
-from ahmss.skills.reaching import Looking, goal_of, performed, planned, prisms_of
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking, goal_of, performed, prisms_of
 
 NEAR = 1.45  # metres to who gives, from where on it may be held out
 SHARES = (0.35, 0.68)  # of the way to them, between which it is held out

@@ -37,7 +37,8 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.meanwhile import waited
 from ahmss.skills.nearer import gone_nearer, short_of
 from ahmss.skills.out_of_reach import refuse_far, tell_missed
-from ahmss.skills.reaching import Looking, performed, planned, prisms_of, sides_of
+from ahmss.skills.planning import planned
+from ahmss.skills.reaching import Looking, performed, prisms_of, sides_of
 from ahmss.skills.reading import before_eyes
 from ahmss.skills.sitting import seat_of
 from ahmss.skills.sunk import SUNK, sunk

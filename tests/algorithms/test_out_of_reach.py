@@ -16,6 +16,7 @@ from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import come_nearer, walk_there
 from ahmss.skills.reaching import Looking
 
+from .reached import TABLE, outlined
 from .scene import CUP, FLOOR, Body, record
 from .test_reach import FREE
 from .test_walk import start, to
@@ -56,13 +57,23 @@ def test_a_reach_that_is_refused_says_so() -> None:
         body.do("reach", body.start(CUP, "reach", **FREE, world=[record(FLOOR)]))
 
 
-def test_of_a_place_that_a_step_brings_into_reach_the_step_is_told_and_helps() -> None:
-    body, place = Body(x=-2.0, facing=0.0), (-0.6, 0.3, 1.0)
+@pytest.mark.parametrize(
+    ("stands", "place"),
+    [
+        ((-2.0, 0.0, 0.0), (-0.6, 0.3, 1.0)),
+        ((0.9, 1.08, -105.0), (1.0, 0.93, 0.06)),  # at a table: back from it, and to a side
+        pytest.param((0.94, 1.17, -112.0), (1.12, 0.74, 0.13), marks=pytest.mark.long),
+    ],
+)
+def test_of_a_place_that_a_step_brings_into_reach_the_step_is_told_and_helps(
+    stands: tuple[float, float, float], place: tuple[float, float, float]
+) -> None:
+    body, table = Body("ken", *stands), [outlined(record(TABLE), 11)]
     with pytest.raises(AlgorithmError, match="m too short for that from here") as refused:
-        body.do("reach", body.start(FLOOR, "reach", goal=Goal(place=place), hand=""))
+        body.do("reach", body.start(FLOOR, "reach", goal=Goal(place=place), hand="", world=table))
     x, y, facing = re.findall(r"`do floor walk to (\S+) (\S+) facing (\S+)` first", str(refused.value))[0]
-    there = Body(x=float(x), y=float(y), facing=float(facing))
-    there.do("reach", there.start(FLOOR, "reach", goal=Goal(place=place), hand=""))
+    there = Body("ken", float(x), float(y), float(facing))
+    there.do("reach", there.start(FLOOR, "reach", goal=Goal(place=place), hand="", world=table))
     palms = there.grip(0).place, there.grip(1).place
     assert min(np.linalg.norm(palm - np.array(place)) for palm in palms) < 1e-3
 
