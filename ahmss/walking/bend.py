@@ -21,7 +21,7 @@ from scipy.linalg import solveh_banded
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from ahmss.body.array import Array
-from ahmss.walking.obstacles import Ends, Obstacles
+from ahmss.walking.obstacles import NEAREST, Ends, Obstacles
 
 __all__ = ["SAMPLE", "SLACK", "blurred", "evenly", "rounded"]
 
@@ -190,8 +190,9 @@ def _too_near(points: Array, around: Obstacles, ends: Ends) -> NDArray[np.bool_]
     at, which = shapely.STRtree(around.shapes).query(shapely.points(points), predicate="dwithin", distance=least)
     away = around.signed(which, points[at])
     needed, _ = around.needed(points[at], which, ends, least + _EASE)
+    kept = np.maximum(needed - _EASE, np.minimum(needed, NEAREST))
     near = np.zeros(len(points), dtype=bool)
-    near[at[(away < needed - _EASE) & ~around.leaving(points[at], which, ends)]] = True
+    near[at[(away < kept) & ~around.leaving(points[at], which, ends)]] = True
     return near
 
 

@@ -19,6 +19,9 @@ __all__ = ["Course", "NoWay", "blocked", "nearest_free", "plan"]
 
 _NAMED = 4  # as many obstacles are named in a sentence
 _STEP = 0.5  # metres: who goes no farther steps there, and does not walk
+# By how much the clearance grows from a place that lacks it, and for how many metres first not at all: off things at
+# once; out of a gap between two, along both as far as it may reach; and along things for long, for who is in a nook.
+_LEAVES = ((SLOPE, 0.0), (SLOPE, 0.3), (SLOPE / 4.0, 0.0))
 _NO_NEARER = 0.01  # metres that a step may come nearer to a thing than one stands before it and after it
 
 
@@ -70,8 +73,8 @@ def plan(
     """The way from start to goal that keeps a radius from things, and bends as a person would.
 
     A start may be anywhere, a goal 0.12 m from a footprint or more; near them the way is as close to things as they
-    are. A bend comes up to 8 cm nearer than the radius. A step or two along what one stands at is straight: who drew
-    back from it for so short a way would have to turn about on it.
+    are. A bend comes up to 8 cm nearer than the radius, but no nearer than 0.12 m. A step or two along what one stands
+    at is straight: who drew back from it for so short a way would have to turn about on it.
 
     Args:
         start: (2,) metres, world.
@@ -98,8 +101,8 @@ def plan(
         raise NoWay(partial(_within, around, start, goal))
     if line.length <= _STEP and (shapely.distance(around.shapes, line) > _kept(around, ends)).all():
         return _straight(start, goal, start_heading)
-    for slope in (SLOPE, SLOPE / 4.0):  # the second time along things, for who stands in a nook
-        ends = around.ends(start, goal, slope)
+    for slope, along in _LEAVES:
+        ends = around.ends(start, goal, slope, along)
         floor = around.blocked(ends)
         way = shortest(start, goal, floor, start_heading)
         if way is not None:

@@ -55,12 +55,13 @@ class NoWay(AlgorithmError):
 class Ends:
     """Where things may be nearer: the places (2, 2) of start and goal, the clearance (2, m) from each of m obstacles.
 
-    slopes (2, m): by how much the clearance that is kept grows with the distance from the place.
+    slopes (2, m): by how much the clearance that is kept grows with the distance from the place, after `along` metres.
     """
 
     places: Array
     clearances: Array
     slopes: Array
+    along: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -108,11 +109,11 @@ class Obstacles:
             away[inside] = -shapely.distance(shapely.boundary(shapes[inside]), np.asarray(places)[inside])
         return away
 
-    def ends(self, start: Array, goal: Array, slope: float = SLOPE) -> Ends:
-        """What the two places of a walk allow."""
+    def ends(self, start: Array, goal: Array, slope: float = SLOPE, along: float = 0.0) -> Ends:
+        """What the two places of a walk allow: so many metres along things, then off them so steeply."""
         near = np.stack([self.clearance(start), self.clearance(goal)])
         grows = slope * np.array([[1.0], [_ARRIVING]])
-        return Ends(np.stack([start, goal]), near, np.where(near < NEAREST / 2, _STEEP, grows))
+        return Ends(np.stack([start, goal]), near, np.where(near < NEAREST / 2, _STEEP, grows), along)
 
     def left(self, ends: Ends) -> NDArray[np.bool_]:
         """(m,) which obstacles the start lies within."""
@@ -131,10 +132,11 @@ class Obstacles:
         off = points[:, None, :] - ends.places
         away = np.linalg.norm(off, axis=-1)
         slope = ends.slopes.T[which] * np.where(ends.clearances.T[which] > 0.0, _BENT, 1.0)
-        grown = ends.clearances.T[which] + slope * away
+        grown = ends.clearances.T[which] + slope * np.maximum(away - ends.along, 0.0)
         end, rows = np.argmin(grown, axis=-1), np.arange(len(points))
         least = grown[rows, end]
-        rate = np.where(least < full, slope[rows, end], 0.0) / np.maximum(away[rows, end], 1e-9)
+        grows = (least < full) & (away[rows, end] > ends.along)
+        rate = np.where(grows, slope[rows, end], 0.0) / np.maximum(away[rows, end], 1e-9)
         return np.minimum(full, least), rate[:, None] * off[rows, end]
 
     def blocked(self, ends: Ends) -> Shapes:
@@ -163,7 +165,8 @@ class Obstacles:
         clearance, slope = ends.clearances[end, i], ends.slopes[end, i]
         reach = (self.radius - clearance) / slope + 0.03
         for level in range(_LEVELS):
-            disc = shapely.buffer(shapely.Point(ends.places[end]), reach * (level + 1) / _LEVELS, quad_segs=4)
+            open_to = ends.along + reach * (level + 1) / _LEVELS
+            disc = shapely.buffer(shapely.Point(ends.places[end]), open_to, quad_segs=4)
             kept = clearance - 0.01 + slope * reach * level / _LEVELS
             wide = shapely.difference(wide, shapely.difference(disc, _buffered(self.shapes[i], kept)))
         return wide
