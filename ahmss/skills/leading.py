@@ -26,6 +26,7 @@ _FINGERS = ("index", "middle", "ring", "little")
 _BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
 _PINCHED = 0.8  # of the opening that thumb and index finger came with: so near to each other they have closed
 _STILL, _OPENED = 0.001, 0.003  # metres that they go in a frame when they have closed, and apart when they let go
+_ROLLS = 0.0006  # metres that they go apart in a frame as they roll on what they hold
 _LONG = 0.25  # metres: no fingertip is so far from the palm
 _PALM = 0  # of the two points of a hand that may lead
 
@@ -111,7 +112,9 @@ class _Fingers:
         """Whether it still does; where it does not, it has to close again."""
         assert self._opening is not None
         still = self._fist(bent) if which == _PALM else self._opening <= self._caught + _OPENED
-        if not still:
+        if still:  # fingers that roll on it come apart slowly
+            self._caught = min(max(self._opening, self._caught), self._caught + _ROLLS)
+        else:
             self._widest = self._opening
         return still
 

@@ -55,7 +55,8 @@ class Part:
     site: where it is taken, as it is now, in the world. way: for shares (n) of its way, from 0 to 1, the site's places
     (n, 3), and the turns (n, 4) in the world that the hand makes with it. seconds: that the way takes. off: (3,) metres
     from where a hand is on it to where the open hand is set, and to which it goes back. short: of the palms (7,) that
-    hold it when it sets out and when it is there, why that is not where it was to go; "" where it is.
+    hold it when it sets out and when it is there, why that is not where it was to go; "" where it is. own: for shares
+    (n) of its way the turns (n, 4) in the world that it makes itself, where the hand turns less; None: as the hand.
     """
 
     site: Transform
@@ -63,6 +64,12 @@ class Part:
     seconds: float
     off: Array = field(default_factory=lambda: np.zeros(3))
     short: Callable[[Array, Array], str] | None = None
+    own: Callable[[Array], Array] | None = None
+
+    def at(self, share: Array) -> Transform:
+        """Its site (n) when it has gone such shares (n) of its way."""
+        places, turns = self.way(share)
+        return Transform(places, multiply(turns if self.own is None else self.own(share), self.site.rotation))
 
     def palm(self, set_at: Array) -> Transform:
         """The palm on it, of a hand that is set before it (7,)."""

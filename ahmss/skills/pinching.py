@@ -18,10 +18,7 @@ from ahmss.body.inverse import grips
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate, slerp
 from ahmss.errors import AlgorithmError
-from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding
-from ahmss.grasping.key_grip import curled
-from ahmss.grasping.rolling import rolled
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.going_on import GoingOn
@@ -51,6 +48,7 @@ from ahmss.skills.part_ways import (
 )
 from ahmss.skills.past_the_rest import Rest
 from ahmss.skills.reaching import Looking, performed, sides_of
+from ahmss.skills.rolling_on import held_on, shapes_on
 from ahmss.skills.smoothest import smoothest
 
 __all__ = ["Part", "pinched"]
@@ -277,24 +275,13 @@ def _made(
     """The frames of a plan, the fingers closing and opening."""
     side = plan.reacher.side
     then, closed = _moved(task, part, plan.palm)
-    holding = _held(task, part, plan, holding)
+    holding = held_on(task, part, side, plan.palm, holding)
     wide, links = open_hand(task, side, holding), list(fingers(side))
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
-    made.rotations[len(made.root) - len(then) :, links] = slerp(wide, holding.shape, closed[:, None])
+    way = _course(task, part)[0]
+    shapes = yield from gaze.during(shapes_on(task, part, side, plan.palm, holding, way))
+    made.rotations[len(made.root) - len(then) :, links] = slerp(wide, shapes, closed[:, None])
     return made
-
-
-def _held(task: HumanTask, part: Part, plan: Plan, holding: Holding) -> Holding:
-    """The grip closed on the part by the hand as it was set there, turned about it."""
-    thing = task.object
-    assert thing is not None
-    assert thing.shape is not None
-    assert task.site is not None
-    at_rest = thing.frame.inverse().then(task.site)  # the shape has the part so
-    palm = at_rest.then(part.site.inverse().then(part.palm(plan.palm)))
-    hand = Hand.of(task.human, plan.reacher.side)
-    again = rolled(hand, thing.shape.field(at_rest.place), palm.row(), holding)
-    return again if holding.wide is None else curled(hand, again)
 
 
 def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
@@ -330,12 +317,18 @@ def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
     """Palms (n, 7) from before the part, where the hand is set (7,), to it, with it, off it, and back to where they
     came from; and how far the fingers are closed (n), 0 to 1.
     """
+    way, closed, back = _course(task, part)
+    palms = on_part(part, part.palm(set_at).row()[None], way)[:, 0]
+    palms[:, :3] += back[:, None] * rotate(part.way(way)[1], part.off)
+    return palms, closed
+
+
+def _course(task: HumanTask, part: Part) -> tuple[Array, Array, Array]:
+    """From before the part on, the shares of its way (n), how far the fingers are closed (n), and the hand off (n)."""
     counts = [round(seconds * task.rate) for seconds in (_COMES, _CLOSES, part.seconds, _OPENS, _LEAVES, _RETURNS)]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
     back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
     way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
     closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
-    palms = on_part(part, part.palm(set_at).row()[None], way)[:, 0]
-    palms[:, :3] += back[:, None] * rotate(part.way(way)[1], part.off)
-    return palms, closed
+    return way, closed, back

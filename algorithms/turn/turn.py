@@ -50,7 +50,10 @@ def turn(task: HumanTask) -> Iterator[Array]:
             around = from_axis_angle(axis, angle * share)
             return pivot + rotate(around, site.place - pivot), from_axis_angle(axis, along * angle * share)
 
-        return Part(site, way, TURNS, short=short if on_axis else None)
+        def own(share: Array) -> Array:
+            return from_axis_angle(axis, angle * share)
+
+        return Part(site, way, TURNS, short=short if on_axis else None, own=own)
 
     def short(before: Array, after: Array) -> str:
         """Why it comes to rest elsewhere, as `turned` has it: where the wrist does not turn so far."""

@@ -106,6 +106,24 @@ def test_thumb_and_a_finger_stay_on_the_lever_while_it_turns(name: str, begins: 
         assert min(gaps[finger] for finger in ("index", "middle")) < 0.002, (k, gaps)
 
 
+def test_the_fingers_of_a_hand_that_turns_less_roll_on_the_lever() -> None:
+    """Closed on it as it was when they took it, the thumb was up to 4.7 mm in it when it was shut."""
+    body = standing("aiko")
+    before = PoseRecord.of(body.rotations, body.root)
+    shown = body.do("turn", turning(body, LARGEST, busy=["right"]))
+    moves = msgspec.structs.replace(turning(body, LARGEST), kind="object", pose=before, hand="left")
+    told = [LARGEST]
+    for pose in frames(program("turned"), moves, body.rows(shown)):
+        told.append(float((pose.states or {}).get("turn", told[-1])))
+    angles = np.array(told[1:])
+    assert abs(angles[-1]) < 0.02
+    turns = np.flatnonzero(np.diff(angles) != 0.0)[:-1]
+    for k in turns[:: len(turns) // 6].tolist():
+        gaps = from_lever("aiko", "left", shown[k + 1], float(angles[k + 1]))
+        assert min(gaps.values()) > -0.002, (k, gaps)
+        assert gaps["thumb"] < 0.002, (k, gaps)
+
+
 def from_lever(name: str, side: str, pose: HumanPose, angle: float) -> dict[str, float]:
     """How far the skin of thumb and each finger is from the tap when its lever stands at an angle, metres."""
     skeleton = WORKSPACE.humans.get(name).skeleton
