@@ -46,7 +46,7 @@ _ROOM, _NOTHING = 0.02, 1e-6  # of the arm's length, by which an arm is to be le
 _AT_ONCE, _KEPT = 24, 24  # palms whose skin is looked at together; that are tried in other postures too
 _TOGETHER = 72  # postures that are looked at together
 _FINER = 1.0, 0.4  # shares of a step by which the best of some is made better
-_SHORT, _FAR = 0.03, 0.4  # metres, beyond the first of which an arm ends short; of the second no other lean helps
+_SHORT, _FAR = 0.001, 0.4  # metres, beyond the first of which an arm ends short; of the second no other lean helps
 _SINKS = 0.004  # metres: a trunk so deep is in a thing
 _LEGS = [INDEX[f"{side}_{link}"] for side in ("right", "left") for link in ("upper_leg", "lower_leg", "foot")]
 

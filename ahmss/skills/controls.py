@@ -25,7 +25,7 @@ from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.skills.begun import begun_at
 from ahmss.skills.box import Box, boxes_of, nearest
-from ahmss.skills.out_of_reach import MOST_MISSING
+from ahmss.skills.out_of_reach import EXACT, MOST_MISSING
 from ahmss.skills.reaching import Looking, prisms_of, sides_of
 from ahmss.skills.sighting import Sighting
 from ahmss.skills.stands import is_taken, stance_at, standing
@@ -215,7 +215,7 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
             there, arm = beside_them
             if arm.found and arm.stretched < _FROM_HERE:
                 return there
-            if (yield from _leant(task, there, goal, prisms))[1].missing <= MOST_MISSING:
+            if (yield from _leant(task, there, goal, prisms))[1].missing <= EXACT:
                 return there
     side, arm = yield from _leant(task, stand, goal, prisms)
     if arm.missing > MOST_MISSING:

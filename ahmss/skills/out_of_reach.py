@@ -13,10 +13,15 @@ from ahmss.reaching.plan import Plan
 from ahmss.skills.sitting import heading_of, must_stand, stands
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["MOST_MISSING", "come_nearer", "refuse_far", "tell_missed", "walk_there", "walk_to"]
+__all__ = [
+    "EXACT", "MOST_MISSING", "come_nearer", "refuse_far", "refuse_short", "tell_missed", "walk_there", "walk_to",
+]  # fmt: skip
 
 MOST_MISSING = 0.03
 """Metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of."""
+
+EXACT = 0.002
+"""Metres within which a fingertip is at what it presses or touches."""
 
 _TOLD = 0.001  # metres
 _AT_IT = 0.9  # metres, level, from a thing's middle: who walks to it comes so near as a rule
@@ -49,6 +54,20 @@ def tell_missed(task: HumanTask, plan: Plan) -> None:
     if plan.short > _TOLD:
         goes = "as far as the elbow bends" if plan.arm.folded else "as far as the arm goes"
         task.note(f"the {plan.reacher.side} hand stops {1000.0 * plan.short:.0f} mm short of it, {goes}")
+
+
+def refuse_short(task: HumanTask, plan: Plan) -> None:
+    """Refuse to press or touch what the fingertip does not come to: it would press beside it.
+
+    Raises:
+        AlgorithmError: says by how much, and what to do.
+    """
+    if plan.short > EXACT:
+        raise AlgorithmError(
+            f"the {plan.reacher.side} hand stops {1000.0 * plan.short:.0f} mm short of it, as far as the arm goes "
+            f"past what is in the way from here; {come_nearer(task)}"
+        )
+    tell_missed(task, plan)
 
 
 def come_nearer(task: HumanTask) -> str:

@@ -30,7 +30,7 @@ from ahmss.skills.controls import beside, clear_of, front_of, in_the_way, stood_
 from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.out_of_reach import refuse_short
 from ahmss.skills.reaching import performed, sides_of
 from ahmss.skills.smoothest import smoothest
 
@@ -70,7 +70,7 @@ def _press(task: HumanTask) -> Iterator[Array]:
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform, touches)
     if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
         made = yield from perform(plan)  # the eyes have gone on
-    tell_missed(task, plan)
+    refuse_short(task, plan)
     rows = rows_made(task, made)
     pushes = len(_pushed(task, plan.palm, out))
     if task.parameter("returns", False):

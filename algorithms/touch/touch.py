@@ -28,7 +28,7 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.controls import in_the_way, stood_before
 from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.out_of_reach import refuse_short
 from ahmss.skills.reaching import Looking, performed, prisms_of, sides_of
 from ahmss.skills.smoothest import smoothest
 
@@ -74,7 +74,7 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms_of(task), off, perform, touches)
     if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
         made = yield from perform(plan)  # the eyes have gone on
-    tell_missed(task, plan)
+    refuse_short(task, plan)
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 
