@@ -85,7 +85,8 @@ def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array
     height = np.clip(height + BESIDE, -ALONG, ALONG)[:, None]
     starts = site[:3] + height * up - BACK * inward - INTO_FINGERS[:, None] * (to_fingers - (to_fingers @ up) * up)
     middles = starts[:, None] + (hand.palm - hand.grip[:3]) @ turn.T
-    went, met = until_it_touches(field, middles, np.broadcast_to(inward, (len(middles), 3)), hand.palm_radius)
+    # What else is about is asked of the grip that is found: a palm begins farther back than a hand comes from.
+    went, met = until_it_touches(field.alone, middles, np.broadcast_to(inward, (len(middles), 3)), hand.palm_radius)
     if not met.any():
         return None
     palms = np.concatenate([starts + went[:, None] * inward, np.tile(rotation, (len(starts), 1))], axis=1)[met]
