@@ -20,6 +20,7 @@ from ahmss.skills.part_ways import Part, on_part
 __all__ = ["held_on", "shapes_on"]
 
 _STOPS = np.linspace(0.0, 1.0, 6)  # shares of the way at which fingers that roll are closed anew
+_AT_ONCE = 2  # places between two pauses
 _ROLLS = np.radians([2.0, 35.0])  # that the hand is turned about the part, for them to roll; by more it slips
 
 
@@ -29,8 +30,8 @@ def held_on(task: HumanTask, part: Part, side: str, palm: Array, holding: Holdin
 
 
 def shapes_on(task: HumanTask, part: Part, side: str, palm: Array, holding: Holding, way: Array) -> Steps[Array]:
-    """The fingers (n, 14, 4) closed on the part when it has gone such shares (n) of its way; it pauses before each
-    place at which they are closed anew.
+    """The fingers (n, 14, 4) closed on the part when it has gone such shares (n) of its way; it pauses before
+    every second place at which they are closed anew.
 
     Args:
         task: whose hand. part: what it holds. side: of the hand. palm: (7,) before the part, where it is set.
@@ -42,8 +43,9 @@ def shapes_on(task: HumanTask, part: Part, side: str, palm: Array, holding: Hold
     if not _ROLLS[0] < turned.max() < _ROLLS[1]:
         return np.broadcast_to(holding.shape, (len(way), *holding.shape.shape))
     shapes = [holding.shape]
-    for place, rotation in zip(seen.place[1:], seen.rotation[1:], strict=True):
-        yield
+    for k, (place, rotation) in enumerate(zip(seen.place[1:], seen.rotation[1:], strict=True)):
+        if k % _AT_ONCE == 0:
+            yield
         shapes.append(_closed(task, side, Transform(place, rotation), holding).shape)
     stops = np.stack(shapes)
     after = np.clip(np.searchsorted(_STOPS, way), 1, len(_STOPS) - 1)
