@@ -10,7 +10,7 @@ GL := $(VENV)/.gl
 
 help:
 	@echo "make demo        the thesis's scenario in twelve actions: a recording, a film and a contact sheet in out/"
-	@echo "make test        all tests and checks, some 7 minutes on two cores"
+	@echo "make test        all tests and checks, some 8 minutes on two cores"
 	@echo "make test-long   soak, fuzz, stalls and further cases"
 	@echo "make lint        ruff, pyright and the direction of imports"
 
@@ -19,9 +19,8 @@ demo: $(READY) $(GL)
 
 # The checks run beside the tests, and one worker more than most machines' two cores as many tests wait for something.
 test: $(READY) $(GL)
-	@mkdir -p out; $(MAKE) --no-print-directory lint > out/lint.txt 2>&1 & checks=$$!; \
-	$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder; tests=$$?; \
-	wait $$checks; checks=$$?; cat out/lint.txt; exit $$((tests || checks))
+	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	@$(MAKE) --no-print-directory lint
 
 test-long: $(READY) $(GL)
 	$(BIN)/pytest -q -m long --timeout 1800
