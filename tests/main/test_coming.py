@@ -94,7 +94,7 @@ def add(main: MainProcess, *lines: str) -> None:
         main.agenda.add(step)
 
 
-def go_on(mains: Two, until: Callable[[], bool]) -> None:
+def go_on(mains: tuple[MainProcess, ...], until: Callable[[], bool]) -> None:
     end = time.monotonic() + 20.0
     while not until():
         assert time.monotonic() < end, [main.report.messages for main in mains]
@@ -117,7 +117,7 @@ def test_who_is_on_the_way_leaves_it_to_who_is_there(two: Two) -> None:
     go_on(two, lambda: walked(aiko) > 0.3)
     assert holder(ken) == ""
     add(ken, "do b take frames 20 patience=0", "do b drop frames 10")
-    go_on(two, lambda: ken.agenda.done)
+    go_on((ken, ken, ken, ken, aiko), lambda: ken.agenda.done)  # however long ken's algorithms take to start
     assert walked(aiko) < 1.0
     go_on(two, lambda: aiko.agenda.done)
     assert ken.report.messages == aiko.report.messages == []
