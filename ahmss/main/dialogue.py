@@ -138,8 +138,16 @@ class Dialogue:
             self._go(replace(self._draft, step="kind"))
             return None
         if first in _KEYWORDS or _FOR_SOMEBODY.match(text):
-            return parse(text)
-        result = self._steps[self._draft.step](self._draft, text.strip())
+            line = parse(text)
+            if isinstance(line, Do) and not line.human:
+                self.reset()  # who types a whole motion has left the one that was asked about
+            return line
+        try:
+            result = self._steps[self._draft.step](self._draft, text.strip())
+        except CommandError as error:
+            if self._before:
+                raise CommandError(f"{error} (`undo` goes back)") from None
+            raise
         if isinstance(result, _Draft):
             self._go(result)
             return None

@@ -93,6 +93,13 @@ def test_a_whole_line_serves_at_any_question_and_keeps_it(dialogue: Dialogue) ->
     assert dialogue.question.prompt == "what to do with room/cup"
 
 
+def test_a_whole_motion_leaves_the_one_that_was_asked_about(dialogue: Dialogue) -> None:
+    talk(dialogue, "cup", "grasp", "left")
+    assert dialogue.answer("do floor walk to cup") == Do((Act("floor", "walk", goal_object="cup"),))
+    assert dialogue.question.prompt == "object"
+    assert not dialogue.undo()
+
+
 @pytest.mark.parametrize(
     ("answers", "error"),
     [
@@ -115,6 +122,7 @@ def test_a_wrong_answer_is_refused_and_asked_again(dialogue: Dialogue, answers: 
     with pytest.raises(CommandError) as caught:
         dialogue.answer(answers[-1])
     assert error in str(caught.value)
+    assert str(caught.value).endswith("(`undo` goes back)") == (len(answers) > 1)
     assert dialogue.question == question
 
 
