@@ -17,6 +17,7 @@ from ahmss.algorithm.messages import FRAME_HUMAN, FRAME_OBJECT, MOVED, WAY, Star
 from ahmss.algorithm.place import Transform, WorldObject
 from ahmss.algorithm.pose import HumanPose, ObjectPose, block, importance_of, target_rows
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
@@ -29,6 +30,7 @@ from ahmss.walking.library import Library
 __all__ = ["HumanFrame", "HumanTask", "ObjectTask", "Progress", "Rested", "Task"]
 
 _HUMAN, _MOVED = size(FRAME_HUMAN), size(MOVED)
+_ALONG = np.array([1.0, 0.0, 0.0])
 Value = TypeVar("Value", bool, int, float, str)
 
 
@@ -153,11 +155,12 @@ class Task:
         """The acting human's skeleton."""
         return Skeleton.from_record(self.message.human)
 
-    def fingertip(self, hand: str, finger: str = "index") -> Array:
-        """Where the tip of a finger of the `"right"` or `"left"` hand is now, (3,) in the world."""
+    def fingerpad(self, hand: str, into: Array, finger: str = "index") -> Array:
+        """Where (3,) a finger of the `"right"` or `"left"` hand touches what it pushes along (3,), unit."""
         link = INDEX[f"{hand}_{finger}_distal"]
         places, world = forward(self.present.rotations, self.present.root, self.human.offsets)
-        return places[link] + rotate(world[link], self.human.tips[link])
+        tip = places[link] + rotate(world[link], self.human.tips[link])
+        return pad(tip, rotate(world[link], _ALONG), float(self.human.radii[link]), into)
 
     @cached_property
     def random(self) -> np.random.Generator:

@@ -12,15 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import between, conjugate, from_axis_angle, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.grasping.hand import FINGERS, SEGMENTS, Hand
 
-__all__ = ["ROUND", "Fingertips", "pad"]
-
-ROUND = 0.8
-"""How round the end of a finger is: the radius of its end, of that of its last link."""
+__all__ = ["Fingertips"]
 
 FOLLOWS = 0.6  # of the middle joint's bend, that the end joint has
 LEAST, MOST = np.radians([-40.0, 95.0])  # of the knuckle
@@ -29,11 +27,6 @@ SPREAD = np.radians(20.0)  # of the knuckle to either side
 THUMB = np.radians([2.0, 75.0])  # of its end joint
 ROUNDS = 5  # of finding the finger's direction for its pad
 X, Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-
-
-def pad(tip: Array, along: Array, radius: float, into: Array) -> Array:
-    """Where a fingertip touches what it pushes: its end (..., 3), its direction, and that of the push, units."""
-    return tip + ROUND * radius * (into - along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +47,7 @@ class Fingertips:
         bent, hand = np.cumsum(flexion, axis=-1), self.hand
         along = np.stack([np.cos(bent), hand.towards * np.sin(bent), np.zeros_like(bent)], axis=-1)
         tips = hand.roots + (along * hand.lengths[..., None]).sum(axis=-2)
-        return tips + ROUND * hand.radii[:, 2:] * (into[..., None, :] - along[..., 2, :])
+        return pad(tips, along[..., 2, :], hand.radii[:, 2:], into[..., None, :])
 
     def finger(self, which: str, place: Array, into: Array) -> Array:
         """Rotations (F, 3, 4) of the links of a finger whose pad is at places (F, 3), pushing along (F, 3).
@@ -86,7 +79,7 @@ class Fingertips:
         along = into
         aside = knuckle = middle = np.zeros(len(place))
         for _ in range(ROUNDS):
-            off = place - ROUND * float(hand.radii[i, 2]) * (into - along) - hand.roots[i]
+            off = place - pad(hand.roots[i], along, float(hand.radii[i, 2]), into)
             aside = np.clip(np.arctan2(-off[:, 2], off[:, 0]), -SPREAD, SPREAD)
             level = np.hypot(off[:, 0], off[:, 2])
             middle = np.interp(-np.hypot(level, off[:, 1]), -far, joint)
@@ -104,7 +97,7 @@ class Fingertips:
         root, bent = np.repeat(self.ease[:1], len(place), axis=0), np.zeros(len(place))
         along = rotate(root, X)
         for _ in range(2 * ROUNDS):
-            off = place - ROUND * float(hand.thumb_radii[1]) * (into - along) - hand.thumb_root
+            off = place - pad(hand.thumb_root, along, float(hand.thumb_radii[1]), into)
             far = np.linalg.norm(off, axis=1)
             cos = np.clip((far**2 - one**2 - two**2) / (2.0 * one * two), -1.0, 1.0)
             bent = np.clip(np.arccos(cos), *THUMB)

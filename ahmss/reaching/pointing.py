@@ -1,12 +1,13 @@
-"""A hand that points: the index finger straight, the others curled, and the palms that bring its tip to a place."""
+"""A hand that points: the index finger straight, the others curled, and the palms that bring its pad to a place."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import IDENTITY, between, from_axis_angle, from_matrix, multiply, rotate
+from ahmss.body.quaternion import IDENTITY, between, conjugate, from_axis_angle, from_matrix, multiply, rotate
 from ahmss.body.skeleton import Skeleton
 
 __all__ = ["palms_pointing", "pointing"]
@@ -38,17 +39,17 @@ def pointing(side: str) -> Array:
 def palms_pointing(
     skeleton: Skeleton, side: str, place: Array, into: Array, ahead: Array | None = None, *, exactly: bool = False
 ) -> Array:
-    """Palms (n, 7) whose index fingertip is at a place (3,), the finger about along a direction (3,), unit.
+    """Palms (n, 7) whose index finger touches a place with its pad (3,), the finger about along a direction (3,), unit.
 
     Thumb up to palm down, and the finger also a little tilted against the direction, unless it is to lie along it
     `exactly`: aside, down, and more upwards, as a hand that pushes downwards comes from before.
 
     Args:
-        skeleton: the human's measures. side: of the hand. place: of the fingertip. into: which way it points.
+        skeleton: the human's measures. side: of the hand. place: of its pad. into: which way it points.
         ahead: (3,) level, unit: where who points looks; left out: the level of `into`, where that has one.
         exactly: whether the finger lies along `into`.
     """
-    tip, along = _fingertip(skeleton, side)
+    tip, along, end, radius = _fingertip(skeleton, side)
     row, sign = (1, 1.0) if side == "left" else (0, -1.0)
     tilts, sides = (np.zeros(1), np.zeros(1)) if exactly else (_TILTS, _SIDES)
     tilt, aside, roll = (a.ravel() for a in np.meshgrid(tilts, sides, _ROLLS, indexing="ij"))
@@ -62,13 +63,15 @@ def palms_pointing(
     turn = multiply(from_axis_angle(across, tilt), from_axis_angle(down, aside))
     hand = multiply(turn, multiply(from_axis_angle(into, sign * roll), hand))
     hand = multiply(hand, between(along, _X))  # the finger itself, which is a little bent
-    place = place - rotate(hand, tip)
+    place = place - rotate(hand, pad(tip, end, radius, rotate(conjugate(hand), into)))
     grip = skeleton.grips[row]
     return np.concatenate([place + rotate(hand, grip[:3]), multiply(hand, grip[3:])], axis=-1)
 
 
-def _fingertip(skeleton: Skeleton, side: str) -> tuple[Array, Array]:
-    """The index fingertip (3,) of a pointing hand and the direction (3,) from its knuckle, in the hand's frame."""
+def _fingertip(skeleton: Skeleton, side: str) -> tuple[Array, Array, Array, float]:
+    """Of the index finger of a pointing hand its tip (3,), its direction (3,) from the knuckle, that of its end (3,),
+    and the radius there; in the hand's frame.
+    """
     shape, first = pointing(side), fingers(side)[0]
     links = [INDEX[f"{side}_index_{segment}"] for segment in ("proximal", "intermediate", "distal")]
     place, turned = np.zeros(3), IDENTITY
@@ -77,4 +80,4 @@ def _fingertip(skeleton: Skeleton, side: str) -> tuple[Array, Array]:
         turned = multiply(turned, shape[link - first])
     tip = place + rotate(turned, skeleton.tips[links[-1]])
     along = tip - skeleton.offsets[links[0]]
-    return tip, along / np.linalg.norm(along)
+    return tip, along / np.linalg.norm(along), rotate(turned, _X), float(skeleton.radii[links[-1]])

@@ -21,7 +21,7 @@ MOST_MISSING = 0.03
 """Metres beyond a stretched arm, or nearer than a bent one, that are still tried for, and told of."""
 
 EXACT = 0.002
-"""Metres within which a fingertip is at what it presses or touches."""
+"""Metres within which fingers are at what they press, touch or hold."""
 
 _TOLD = 0.001  # metres
 _AT_IT = 0.9  # metres, level, from a thing's middle: who walks to it comes so near as a rule
@@ -56,15 +56,17 @@ def tell_missed(task: HumanTask, plan: Plan) -> None:
         task.note(f"the {plan.reacher.side} hand stops {1000.0 * plan.short:.0f} mm short of it, {goes}")
 
 
-def refuse_short(task: HumanTask, plan: Plan) -> None:
-    """Refuse to press or touch what the fingertip does not come to: it would press beside it.
+def refuse_short(task: HumanTask, plan: Plan, off: float) -> None:
+    """Refuse to press, touch or hold what fingers do not come to: they would do it beside that.
+
+    off: metres by which they are beside it as that is performed, at the most.
 
     Raises:
         AlgorithmError: says by how much, and what to do.
     """
-    if plan.short > EXACT:
+    if off > EXACT:
         raise AlgorithmError(
-            f"the {plan.reacher.side} hand stops {1000.0 * plan.short:.0f} mm short of it, as far as the arm goes "
+            f"the {plan.reacher.side} hand stops {1000.0 * off:.0f} mm short of it, as far as the arm goes "
             f"past what is in the way from here; {come_nearer(task)}"
         )
     tell_missed(task, plan)

@@ -30,13 +30,14 @@ from ahmss.skills.controls import beside, clear_of, front_of, in_the_way, stood_
 from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.out_of_reach import refuse_short
+from ahmss.skills.off_target import off_target
+from ahmss.skills.out_of_reach import EXACT, refuse_short
 from ahmss.skills.reaching import performed, sides_of
 from ahmss.skills.smoothest import smoothest
 
 TRAVEL = 0.004  # metres, where neither parameter nor property says
 BEFORE, BACK = 0.035, 0.06  # metres before the face at which the finger is set, and to which it is drawn back
-OVER = 0.0005  # metres beyond the travel, so that it is pushed all the way
+OVER = 0.0003  # metres beyond the travel, so that it is pushed all the way
 COMES, PUSHES, STAYS, LEAVES, RESTS = 0.16, 0.12, 0.07, 0.3, 0.4  # seconds; the last of the fingers
 
 
@@ -47,14 +48,15 @@ def press(task: HumanTask) -> Iterator[Array]:
 
 def _press(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): the hand comes, presses, and is drawn back."""
-    if task.site is None or task.object is None:
+    site = task.site
+    if site is None or task.object is None:
         raise AlgorithmError("press needs a site: the button's face, its x out of it")
     if task.carried:
         raise AlgorithmError("a button is pressed standing; walk there first, then press it")
-    out = rotate(task.site.rotation, np.array([1.0, 0.0, 0.0]))
+    out = rotate(site.rotation, np.array([1.0, 0.0, 0.0]))
     boxes = beside(task)
     palms = {side: _palms(task, side, out, boxes) for side in sides_of(task)}
-    goal, prisms = Goal(task.site.place, palms=palms), in_the_way(task)
+    goal, prisms = Goal(site.place, palms=palms), in_the_way(task)
     task, gaze = yield from stood_before(task, goal, prisms)
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
 
@@ -64,13 +66,18 @@ def _press(task: HumanTask) -> Iterator[Array]:
             task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), _pushed(task, plan.palm, out)
         )
 
+    def off(plan: Plan, made: Performed) -> float:
+        pushed = _pushed(task, plan.palm, out)
+        touching = (plan.palm[:3] - pushed[:, :3]) @ out >= BEFORE
+        return off_target(task, plan, made, pushed, touching, site.place + BEFORE * out)
+
     def touches(plan: Plan, made: Performed) -> float:
-        return crowding(task, made, plan.reacher.side)
+        return crowding(task, made, plan.reacher.side) + max(off(plan, made) - EXACT, 0.0)
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform, touches)
     if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
         made = yield from perform(plan)  # the eyes have gone on
-    refuse_short(task, plan)
+    refuse_short(task, plan, off(plan, made))
     rows = rows_made(task, made)
     pushes = len(_pushed(task, plan.palm, out))
     if task.parameter("returns", False):

@@ -1,6 +1,6 @@
 """A button that a fingertip pushes in along its axis, the -x of the site that the action names.
 
-It goes in as far as the fingertip of the acting hand's index finger is behind its face, at most by its travel. Where
+It goes in as far as the pad of the acting hand's index finger is behind its face, at most by its travel. Where
 it is all the way in it clicks, once for each push: a latching button that was out is in from then on, and the other way
 round. States, where the kind has them: `depth` (of its travel, 0 to 1) and `position` ("out" or "in").
 """
@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
 from ahmss.body.array import Array
+from ahmss.body.quaternion import rotate
 
 TRAVEL, RADIUS = 0.004, 0.01  # metres, where its properties do not say
 CLICK, BACK = 0.95, 0.5  # of the travel: where it clicks, and from where it can click again
@@ -53,20 +54,22 @@ def pressed(task: ObjectTask) -> Iterator[ObjectPose]:
     depth = float(states.get("depth", 0.0))
     came = False  # from outside: a hand that begins behind the panel pushes nothing
     for _ in task.frames():
-        tip = _tip(task)
-        beside, out = float(np.hypot(tip[1], tip[2])), float(tip[0])
+        pad = _pad(task)
+        beside, out = float(np.hypot(pad[1], pad[2])), float(pad[0])
         came = came or out > 0.0
         touches = came and beside <= radius and out > -DEEPEST
         depth = button.push(float(np.clip(-out / travel, 0.0, 1.0)) if touches else 0.0)
         yield task.pose(None, None, _told(task, button, depth))
 
 
-def _tip(task: ObjectTask) -> Array:
-    """Where the index fingertip is in the frame of the button's face (3,): x is how far it is from being pushed."""
+def _pad(task: ObjectTask) -> Array:
+    """The pad (3,) of the index finger, in the frame of the button's face: x is how far it is from being pushed."""
     site = task.object.sites[task.message.site]
     face = task.object.frame.then(Transform(np.array(site.position), np.array(site.rotation)))
-    tips = [face.inverse().apply(task.fingertip(hand)) for hand in ((task.hand,) if task.hand else ("right", "left"))]
-    return min(tips, key=lambda tip: float(tip @ tip))
+    into = -rotate(face.rotation, np.array([1.0, 0.0, 0.0]))
+    hands = (task.hand,) if task.hand else ("right", "left")
+    pads = [face.inverse().apply(task.fingerpad(hand, into)) for hand in hands]
+    return min(pads, key=lambda pad: float(pad @ pad))
 
 
 def _told(task: ObjectTask, button: Button, depth: float) -> dict[str, float | str]:

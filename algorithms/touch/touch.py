@@ -28,14 +28,15 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.controls import in_the_way, stood_before
 from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.out_of_reach import refuse_short
+from ahmss.skills.off_target import off_target
+from ahmss.skills.out_of_reach import EXACT, refuse_short
 from ahmss.skills.reaching import Looking, performed, prisms_of, sides_of
 from ahmss.skills.smoothest import smoothest
 
 BEFORE, BACK = 0.035, 0.045  # metres before the glass at which the finger is set, and to which it is drawn back
-ONTO = 0.0005  # metres that the pad gives way
+ONTO = 0.0003  # metres that the pad gives way
 COMES, STAYS, LEAVES = 0.18, 0.1, 0.3  # seconds
-DRAWN, A_BIT, EXACT = 0.3, 0.13, 0.012  # seconds at least, and for each bit; metres of how exactly it is to arrive
+DRAWN, A_BIT, FINELY = 0.3, 0.13, 0.012  # seconds at least, and for each bit; metres of how exactly it is to arrive
 THERE = 0.32  # metres from the place within which a hand is there already
 UNSAID = -0.5  # less than any place that is said
 
@@ -59,22 +60,24 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     goal = Goal(middle, palms=palms)
     task, gaze = yield from stood_before(task, goal, in_the_way(task), Looking(task, middle))
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    off = BEFORE * out + begin - middle
+    before = BEFORE * out + begin - middle
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
-        side, drawn = plan.reacher.side, _drawn(task, plan.palm, out, end - begin)
-        if task.length:
-            count = min(len(drawn), max(task.length // 2, least(task, len(drawn))))
-            drawn = drawn[np.linspace(0, len(drawn) - 1, count).round().astype(int)]
+        side, drawn = plan.reacher.side, _in_time(task, _drawn(task, plan.palm, out, end - begin))
         return performed(task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), drawn)
 
-    def touches(plan: Plan, made: Performed) -> float:
-        return crowding(task, made, plan.reacher.side)
+    def off(plan: Plan, made: Performed) -> float:
+        drawn = _in_time(task, _drawn(task, plan.palm, out, end - begin))
+        touching = (plan.palm[:3] - drawn[:, :3]) @ out >= BEFORE
+        return off_target(task, plan, made, drawn, touching, begin + BEFORE * out)
 
-    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms_of(task), off, perform, touches)
+    def touches(plan: Plan, made: Performed) -> float:
+        return crowding(task, made, plan.reacher.side) + max(off(plan, made) - EXACT, 0.0)
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms_of(task), before, perform, touches)
     if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
         made = yield from perform(plan)  # the eyes have gone on
-    refuse_short(task, plan)
+    refuse_short(task, plan, off(plan, made))
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 
@@ -158,10 +161,18 @@ def _shown(thing: WorldObject) -> list[str]:
     return [name for name, field in _fields(thing).items() if field.get("page") in (None, thing.states.get("page"))]
 
 
+def _in_time(task: HumanTask, drawn: Array) -> Array:
+    """Palms (n, 7) that touch, fewer of them where a short motion has few frames for it."""
+    if not task.length:
+        return drawn
+    count = min(len(drawn), max(task.length // 2, least(task, len(drawn))))
+    return drawn[np.linspace(0, len(drawn) - 1, count).round().astype(int)]
+
+
 def _drawn(task: HumanTask, palm: Array, out: Array, way: Array) -> Array:
     """Palms (n, 7) from before the glass onto it, along a way (3,), and off it."""
     length = float(np.linalg.norm(way))
-    seconds = max(DRAWN, DRAWN + A_BIT * float(np.log2(max(2.0 * length / EXACT, 1.0)))) if length > 1e-6 else 0.0
+    seconds = max(DRAWN, DRAWN + A_BIT * float(np.log2(max(2.0 * length / FINELY, 1.0)))) if length > 1e-6 else 0.0
     steps = [(0.0, 0.0), (BEFORE + ONTO, COMES), (BEFORE + ONTO, 0.5 * STAYS), (BEFORE + ONTO, seconds)]
     steps += [(BEFORE + ONTO, 0.5 * STAYS), (BEFORE - BACK, LEAVES)]
     depth: list[Array] = []

@@ -15,7 +15,7 @@ import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
 from ahmss.body.array import Array
-from ahmss.body.quaternion import IDENTITY
+from ahmss.body.quaternion import IDENTITY, rotate
 
 DEEPEST = 0.03  # metres behind the glass from which on the finger is somewhere else
 EXACT = 0.002  # of a slider's range: how finely it is told
@@ -32,7 +32,7 @@ def touched(task: ObjectTask) -> Iterator[ObjectPose]:
     on, came = False, False  # from before it: a hand that begins behind the glass touches nothing
     field = ""
     for _ in task.frames():
-        out, x, y = corner.apply(_tip(task, middle))
+        out, x, y = corner.apply(_pad(task, middle))
         came = came or out > 0.0
         touches = came and -DEEPEST < out <= 0.0 and 0.0 <= x <= width and 0.0 <= y <= height
         told: dict[str, Any] = {}
@@ -49,11 +49,13 @@ def touched(task: ObjectTask) -> Iterator[ObjectPose]:
         yield task.pose(None, None, told)
 
 
-def _tip(task: ObjectTask, site: Transform) -> Array:
-    """The index fingertip (3,) of the acting hand, in the frame of the screen's middle: x is how far it is off."""
-    back = task.object.frame.then(site).inverse()
-    tips = [back.apply(task.fingertip(hand)) for hand in ((task.hand,) if task.hand else ("right", "left"))]
-    return min(tips, key=lambda tip: float(tip @ tip))
+def _pad(task: ObjectTask, site: Transform) -> Array:
+    """The pad (3,) of the acting hand's index finger, in the frame of the screen's middle: x is how far it is off."""
+    screen = task.object.frame.then(site)
+    into = -rotate(screen.rotation, np.array([1.0, 0.0, 0.0]))
+    hands = (task.hand,) if task.hand else ("right", "left")
+    pads = [screen.inverse().apply(task.fingerpad(hand, into)) for hand in hands]
+    return min(pads, key=lambda pad: float(pad @ pad))
 
 
 def _field(fields: Mapping[str, Mapping[str, Any]], page: object, x: float, y: float) -> str:

@@ -14,10 +14,10 @@ import numpy as np
 
 from ahmss.algorithm import ObjectPose, ObjectTask, Transform, run
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
-from ahmss.grasping.fingertips import pad
 from ahmss.skills.keystrokes import BACK, CLICK, Key, keys_of, pushed
 
 TIPS = [INDEX[f"{side}_{finger}_distal"] for side in ("right", "left")

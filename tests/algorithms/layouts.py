@@ -20,6 +20,7 @@ from ahmss.skills.controls import front_of
 
 from .reached import outlined
 from .scene import WORKSPACE, Body, program
+from .touching import pads, skins
 
 COUNT, APART = 40, 0.13  # controls of a layout; metres between their middles
 KINDS = ("push_button", "latching_button")
@@ -144,6 +145,16 @@ class Used:
         places, turned = self._placed()
         link = INDEX[f"{side or self.side}_{finger}_distal"]
         return places[:, link] + rotate(turned[:, link], self.body.skeleton.tips[link])
+
+    def pad(self, site: Transform) -> Array:
+        """The pad (F, 3) of the index finger of the hand that acts, in the frame of a site that it pushes."""
+        into = -rotate(site.rotation, np.array([1.0, 0.0, 0.0]))
+        return site.inverse().apply(pads(self.body, self.shown, self.side, into))
+
+    def skin(self, site: Transform) -> Array:
+        """Where the skin (F, 3) of that finger is furthest."""
+        into = -rotate(site.rotation, np.array([1.0, 0.0, 0.0]))
+        return site.inverse().apply(skins(self.body, self.shown, self.side, into))
 
     def hands(self) -> Array:
         """Points of both hands and their fingers (F, n, 3)."""

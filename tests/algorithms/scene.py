@@ -78,7 +78,7 @@ class Body:
     """A human of humandb/ that stands, and does one motion after another as main would show it."""
 
     def __init__(self, name: str = "ken", x: float = 0.0, y: float = 0.0, facing: float = -20.0) -> None:
-        model = WORKSPACE.humans.get(name)
+        model, self.name = WORKSPACE.humans.get(name), name
         self.skeleton = model.skeleton
         self.rotations, self.root = standing(model, (x, y), facing)
 

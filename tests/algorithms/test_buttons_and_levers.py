@@ -11,10 +11,11 @@ import pytest
 from ahmss.algorithm import ObjectPose, Transform, frames
 from ahmss.algorithm.messages import PoseRecord, Start
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.inverse import grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 
 from .scene import Body, frame_of, program, record
 
@@ -32,10 +33,12 @@ class Hand:
             bend = from_axis_angle(np.array([0.0, 1.0, 0.0]), np.array(np.radians(closed)))
             self.rotations[link] = multiply(self.rotations[link], bend)
 
-    def tip(self) -> Array:
+    def pad(self, into: Array) -> Array:
+        """What of the index finger touches that pushes along (3,)."""
         places, world = forward(self.rotations, self.body.root, self.body.skeleton.offsets)
         link = INDEX["right_index_distal"]
-        return Transform(places[link], world[link]).apply(self.body.skeleton.tips[link])
+        tip = Transform(places[link], world[link]).apply(self.body.skeleton.tips[link])
+        return pad(tip, rotate(world[link], np.array([1.0, 0.0, 0.0])), float(self.body.skeleton.radii[link]), into)
 
     def rows(self, point: Array, places: Iterable[Array]) -> list[Array]:
         """FRAMEs in which that point of the hand is at these places of the world."""
@@ -68,7 +71,8 @@ def pressing(outs: Iterable[float], *, beside: float = 0.0, position: str = "out
     hand = Hand()
     face = frame_of(SWITCH).then(Transform(np.array([0.012, 0.0, 0.0]), np.array([1.0, 0.0, 0.0, 0.0])))
     first = {"position": position, "depth": 0.5 if position == "in" else 0.0}
-    rows = hand.rows(hand.tip(), [face.apply(np.array([out, beside, 0.0])) for out in outs])
+    into = -rotate(face.rotation, np.array([1.0, 0.0, 0.0]))
+    rows = hand.rows(hand.pad(into), [face.apply(np.array([out, beside, 0.0])) for out in outs])
     start = hand.start(SWITCH, "face", states=first, parameters=parameters)
     poses = list(frames(program("pressed"), start, rows))
     for pose in poses:

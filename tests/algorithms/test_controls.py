@@ -256,5 +256,5 @@ def test_out_of_a_panel_that_was_moved_onto_one_is_stepped_first() -> None:
     done = used(body, start, noted)
     assert notes == ["steps out of panel, which was moved onto where one stands"]
     assert done.shown[-1].root[0] < -0.25
-    tip = button.site("face").inverse().apply(done.tip("index"))
+    tip = done.pad(button.site("face"))
     assert tip[:, 0].min() < -0.003  # and pressed

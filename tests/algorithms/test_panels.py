@@ -29,13 +29,16 @@ def check(layout: Layout, control: Control, name: str, seed: int) -> bool:
             raise
         return False
     travel = 0.004
-    tip = control.site("face").inverse().apply(done.tip("index"))[-PUSHED - MORE : -RESTS]
+    tip, skin = (of(control.site("face"))[-PUSHED - MORE : -RESTS] for of in (done.pad, done.skin))
     contact = int(np.argmax(tip[:, 0] < 1e-4))
     assert np.linalg.norm(tip[contact, 1:]) < 0.002  # at its middle
     assert tip[:, 0].min() == pytest.approx(-travel, abs=0.001)
     assert np.abs(tip[:, 1:]).max() < 0.002  # along its axis, in and out
     assert tip[0, 0] > 0.02
     assert tip[-1, 0] > 0.02
+    on = skin[tip[:, 0] < 1e-4]
+    assert on[:, 0].min() > -travel - 0.001
+    assert np.linalg.norm(on[:, 1:], axis=1).max() < 0.002
     assert done.nearest(layout.others(control)) > 0.0
     rotations = np.array([pose.rotations for pose in done.shown])
     assert worst_pop(rotations).degrees < 20.0  # no elbow flips; where a walk begins and ends, main eases what changes
@@ -89,7 +92,7 @@ def test_who_stands_far_away_or_looks_elsewhere_goes_there_first() -> None:
         hips = done.shown[-1].root
         assert 0.25 < 2.0 - hips[0] < 0.75
         assert abs(hips[1]) < 0.3
-        tip = control.site("face").inverse().apply(done.tip("index"))
+        tip = done.pad(control.site("face"))
         assert tip[-PUSHED:, 0].min() == pytest.approx(-0.004, abs=0.001)
 
 

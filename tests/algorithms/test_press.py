@@ -19,6 +19,7 @@ from ahmss.motion.smoothness import worst_pop
 
 from .reached import outlined
 from .scene import Body, frame_of, program, record
+from .touching import pads, skins
 
 SWITCH, TELEVISION = "room/television/switch", "room/television"
 TRAVEL = 0.004
@@ -41,11 +42,15 @@ def standing(name: str, frame: Transform, away: float, aside: float, turn: float
 
 
 def fingertip(body: Body, shown: list[HumanPose], face: Transform) -> Array:
-    """The index fingertip (F, 3) of the hand that presses, in the frame of the face."""
-    link = INDEX[f"{('right', 'left')[int(shown[-1].targets[1, 7])]}_index_distal"]
-    rotations, root = np.array([p.rotations for p in shown]), np.array([p.root for p in shown])
-    places, turned = forward(rotations, root, body.skeleton.offsets)
-    return face.inverse().apply(places[:, link] + rotate(turned[:, link], body.skeleton.tips[link]))
+    """The pad (F, 3) of the index finger of the hand that presses, in the frame of the face."""
+    side = ("right", "left")[int(shown[-1].targets[1, 7])]
+    return face.inverse().apply(pads(body, shown, side, -rotate(face.rotation, np.array([1.0, 0.0, 0.0]))))
+
+
+def skin(body: Body, shown: list[HumanPose], face: Transform) -> Array:
+    """Where the skin (F, 3) of that finger is furthest, in the frame of the face."""
+    side = ("right", "left")[int(shown[-1].targets[1, 7])]
+    return face.inverse().apply(skins(body, shown, side, -rotate(face.rotation, np.array([1.0, 0.0, 0.0]))))
 
 
 def face_of(frame: Transform) -> Transform:
@@ -69,6 +74,9 @@ def test_the_fingertip_pushes_the_face_by_its_travel(name: str, seed: int) -> No
     assert np.abs(tip[near, 1:]).max() < 1e-3
     assert 9 <= (tip[:, 0] < 0.0).sum() <= 18  # 150 to 300 ms
     assert tip[-1, 0] > 0.02
+    on = skin(body, shown, face_of(frame))[tip[:, 0] < 0.0]
+    assert on[:, 0].min() > -TRAVEL - 0.001  # no deeper in the button, as it goes in
+    assert np.linalg.norm(on[:, 1:], axis=1).max() < 0.002
     assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
 
 

@@ -11,11 +11,11 @@ import pytest
 from ahmss.algorithm import HumanPose, ObjectPose, Transform, frames
 from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, Start
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
-from ahmss.grasping.fingertips import pad
 from ahmss.motion.smoothness import worst_pop
 
 from .devices import SIDES, at, before, begun, device, mover, posed

@@ -10,12 +10,13 @@ import pytest
 from ahmss.algorithm import HumanPose, Transform, frames
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
-from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
 
-from .devices import UP, acting, before, begun, device, mover, tips
+from .devices import UP, acting, before, begun, device, mover
 from .scene import WORKSPACE, Body, program
+from .touching import pads, skins
 
 GLASS = np.array([0.0154, -0.18, -0.12])  # the lower left corner of the screen, in the panel's frame
 
@@ -45,8 +46,14 @@ class Panel:
         return [dict(pose.states) for pose in made]
 
     def on_glass(self, body: Body, shown: list[HumanPose]) -> Array:
-        """The fingertip (F, 3): how far off the glass, to the right and up from the lower left corner."""
-        return self.frame.inverse().apply(tips(body, shown, acting(shown))) - GLASS
+        """The finger's pad (F, 3): how far off the glass, to the right and up from the lower left corner."""
+        into = -rotate(self.frame.rotation, np.array([1.0, 0.0, 0.0]))
+        return self.frame.inverse().apply(pads(body, shown, acting(shown), into)) - GLASS
+
+    def in_glass(self, body: Body, shown: list[HumanPose]) -> float:
+        """Metres by which the finger's skin is in the glass at the most."""
+        out = rotate(self.frame.rotation, np.array([1.0, 0.0, 0.0]))
+        return float(-((skins(body, shown, acting(shown), -out) - self.frame.apply(GLASS)) @ out).min())
 
 
 def on_screen(tip: Array) -> Array:
@@ -65,6 +72,7 @@ def test_a_tap_comes_onto_the_field_and_off_again(seed: int) -> None:
     on = on_screen(tip)
     assert np.hypot(*(tip[on, 1:] - (0.09, 0.155)).T).max() < 0.002
     assert tip[on, 0].min() > -0.002
+    assert panel.in_glass(body, [shown[k] for k in on]) < 0.001
     assert 0.05 < len(on) / 60.0 < 0.22
     assert tip[-1, 0] > 0.03
     assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
@@ -83,6 +91,7 @@ def test_a_slider_follows_the_finger(seed: int) -> None:
     assert np.hypot(*(tip[on[0], 1:] - (0.18 - 0.3 * 0.24, 0.04))) < 0.002
     assert np.hypot(*(tip[on[-1], 1:] - (0.18 + 0.3 * 0.24, 0.04))) < 0.002
     assert (np.diff(tip[on, 1]) > -1e-4).all()
+    assert panel.in_glass(body, [shown[k] for k in on]) < 0.001
     values = [states["speed"] for states in panel.told(body, start, shown) if "speed" in states]
     assert values[-1] == pytest.approx(0.8, abs=0.005)
     assert values == sorted(values)

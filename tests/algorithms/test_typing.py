@@ -12,10 +12,10 @@ import pytest
 from ahmss.algorithm import HumanPose, HumanTask, Transform, frames
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
+from ahmss.body.fingertip import pad
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
-from ahmss.grasping.fingertips import pad
 from ahmss.skills.keystrokes import Stroke, keys_of, strokes_of
 
 from .devices import SIDES, at, before, begun, device, mover, posed
