@@ -1,16 +1,17 @@
-"""A step or two back from things for who would have an arm in them: from before a panel, to wave, say."""
+"""A step or two back from things for who would be in them: from before a panel, to wave or bow, say."""
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.reaching.prism import Prism, clearance
-from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.skin import arm_skin
+from ahmss.reaching.trunk import trunk_points
 from ahmss.skills.controls import begun_at
 from ahmss.skills.reaching import prisms_of
 from ahmss.skills.sitting import heading_of, stands
@@ -19,7 +20,7 @@ from ahmss.skills.stepping import ground_of, stepped
 from ahmss.walking.goals import Goal
 from ahmss.walking.obstacles import nearest_free
 
-__all__ = ["arms_in", "stepped_back"]
+__all__ = ["deep_in", "stepped_back"]
 
 _BACK = (0.15, 0.25, 0.35, 0.5, 0.65)  # metres
 _EVERY = 4  # frames
@@ -27,30 +28,38 @@ _CLEAR, _FREE = 0.26, 0.02  # metres to things on the floor; by which a place ma
 _THERE = (0.04, np.radians(6.0))  # metres, radians: that is near enough
 
 
-def arms_in(task: HumanTask, sides: Sequence[str], rows: Array) -> float:
-    """Metres by which skin of arms is in things at the most in POSE rows (n, 260); below 0 in none.
+def deep_in(task: HumanTask, rows: Array) -> float:
+    """Metres by which skin of arms, trunk or head is in things at the most in POSE rows (n, 260); below 0 in none.
 
-    As deep as an arm is in one before, it may be.
+    As deep as it is in one before, it may be.
     """
-    return _deepest(task, sides, rows, prisms_of(task), np.zeros(3))
+    return _deepest(task, rows, prisms_of(task), np.zeros(3))
 
 
-def _deepest(task: HumanTask, sides: Sequence[str], rows: Array, prisms: Sequence[Prism], off: Array) -> float:
+def _deepest(task: HumanTask, rows: Array, prisms: Sequence[Prism], off: Array) -> float:
     """The same for rows that are moved by (3,)."""
+    if not prisms:
+        return -np.inf
     poses, root = rows[::_EVERY, 4:176].reshape(-1, 43, 4), rows[::_EVERY, 1:4] + off
-    deep = -np.inf
-    for side in sides if prisms else ():
-        reacher = Reacher.of(task.human, side)
-        before, radii = arm_skin(reacher, task.start.rotations, task.start.root)
-        points, _ = arm_skin(reacher, poses, root)
-        gap = clearance(prisms, points, float(radii.max())) - radii
-        begun = np.minimum(clearance(prisms, before, float(radii.max())) - radii, 0.0)
+    deep, start = -np.inf, task.start
+    parts = zip(_parts(task, start.rotations, start.root), _parts(task, poses, root), strict=True)
+    for (before, radii), (points, _) in parts:
+        most = float(radii.max())
+        gap = clearance(prisms, points, most) - radii
+        begun = np.minimum(clearance(prisms, before, most) - radii, 0.0)
         deep = max(deep, float((begun - gap).max()))
     return deep
 
 
-def stepped_back(task: HumanTask, sides: Sequence[str], rows: Array) -> Generator[Array, None, HumanTask]:
-    """The task from so far back that arms are in nothing in POSE rows (n, 260), after steps (n, 272) to there.
+def _parts(task: HumanTask, rotations: Array, root: Array) -> Iterator[tuple[Array, Array]]:
+    """Points (..., m, 3) in trunk and head and in each arm of poses (..., 43, 4), and how thick skin is around (m,)."""
+    yield trunk_points(task.human, rotations, root)
+    for side in SIDES:
+        yield arm_skin(Reacher.of(task.human, side), rotations, root)
+
+
+def stepped_back(task: HumanTask, rows: Array) -> Generator[Array, None, HumanTask]:
+    """The task from so far back that nothing of the body is in things in POSE rows (n, 260), after steps (n, 272).
 
     As it is where there is no such place, or nobody steps.
     """
@@ -63,7 +72,7 @@ def stepped_back(task: HumanTask, sides: Sequence[str], rows: Array) -> Generato
         place = task.start.root[:2] + by * back[:2]
         free = float(np.linalg.norm(nearest_free(place, ground.outlines, _CLEAR) - place)) < _FREE
         goal = Goal(place, heading)
-        if free and not is_taken(goal, taken) and _deepest(task, sides, rows, prisms, by * back) < 0.0:
+        if free and not is_taken(goal, taken) and _deepest(task, rows, prisms, by * back) < 0.0:
             stance = yield from stepped(task, goal, ground, near=_THERE, most=2.0, to="there")
             return begun_at(task, stance.rotations, stance.root)
     return task

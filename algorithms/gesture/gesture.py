@@ -1,7 +1,7 @@
 """Gestures of feeling and intent, by oneself or to somebody, whose eyes are looked at meanwhile.
 
 Where the arms go is known against the trunk, so a gesture can be made while the body is carried elsewhere. Who stands
-beside things keeps the arms out of them, and steps back first where these would be far in.
+beside things keeps the arms out of them, and steps back first where arms, trunk or head would be far in.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ahmss.reaching.standing import Standing
 from ahmss.skills.company import Watching
 from ahmss.skills.free_arm import arm_kept_out
 from ahmss.skills.meanwhile import waited
-from ahmss.skills.stepping_back import arms_in, stepped_back
+from ahmss.skills.stepping_back import deep_in, stepped_back
 
 CARES, HEAD = 3.0, 3.0  # importance of arms and head: a walk's are a tenth of it
 HANGS = 0.75  # of a bow's angle, by which the arms hang back to the vertical
 NODS = 0.25  # of a bow's angle, by which the head goes further
 BY_SPINE = 0.6  # of a bow, of who can't bend at the hips because they walk
 SPINE = 3.0
-MOST_IN = 0.01  # metres that an arm would be in things, and is moved out of them, before one steps back
+MOST_IN = 0.01  # metres that one may be in things as the arms are not yet moved out of them: beyond, one steps back
 _X, _Y, _Z = np.eye(3)
 
 
@@ -46,8 +46,8 @@ def gesture(task: HumanTask) -> Iterator[Array]:
         sides = [side for side in ("right", "left") if side not in task.busy]
     time = _time(task, made)
     rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)
-    if sides and not task.length and arms_in(task, sides, rows) > MOST_IN:
-        back = yield from stepped_back(task, sides, rows)
+    if not task.length and deep_in(task, rows) > MOST_IN:
+        back = yield from stepped_back(task, rows)
         if back is not task:
             task, watching = back, Watching.of(back)
             rows = _bowed(task, made, time) if made.bends else _gestured(task, made, time, watching)

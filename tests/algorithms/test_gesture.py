@@ -24,6 +24,7 @@ from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import arm_skin
 from ahmss.reaching.standing import centre_of_mass, support
+from ahmss.reaching.trunk import trunk_points
 from ahmss.skills.box import filled
 from tests.algorithms.devices import at, device
 from tests.algorithms.reached import prisms
@@ -274,4 +275,19 @@ def test_a_hand_that_is_held_up_before_a_display_does_not_go_through_it_as_one_b
     rotations, root = np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
     points, radii = arm_skin(Reacher.of(body.skeleton, "right"), rotations, root)
     blocks = prisms(panel)
+    assert (clearance(blocks, points) - radii).min() > -0.002
+
+
+@pytest.mark.parametrize(("name", "facing", "busy"), [("ken", 180.0, []), ("aiko", 200.0, ["right", "left"])])
+def test_who_bows_before_a_panel_steps_back_for_the_head_not_to_be_in_it(
+    name: str, facing: float, busy: list[str]
+) -> None:
+    """It was up to 110 mm in its plate."""
+    panel, walks = device("panel", at(0.0, 0.0, 0.0)), str(WORKSPACE.objects.get("human").affordances["bow"].motion)
+    body, blocks = Body(name, 0.3, 0.1, facing), filled(WorldObject.of(panel))
+    told = start_of(body, "bow", degrees=60.0, busy=busy)
+    shown = body.do("gesture", msgspec.structs.replace(told, world=[panel], motion=walks))
+    points, radii = trunk_points(
+        body.skeleton, np.array([pose.rotations for pose in shown]), np.array([pose.root for pose in shown])
+    )
     assert (clearance(blocks, points) - radii).min() > -0.002
