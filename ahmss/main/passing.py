@@ -56,12 +56,20 @@ def taking(workspace: Workspace, record: ObjectRecord) -> tuple[ObjectKind, Affo
     """How a thing is taken in a hand, which is how it is received as well.
 
     Raises:
-        CommandError: it is taken in no hand. DataError: its file is wrong.
+        CommandError: it is taken in no hand, or between both. DataError: its file is wrong.
     """
     kind = workspace.objects.get(record.kind)
     for affordance in kind.affordances.values():
-        if affordance.hold == "take" and affordance.needs.get("free_hands", 1.0) > 0.0 and not affordance.of:
-            return kind, affordance
+        free = affordance.needs.get("free_hands", 1.0)
+        if affordance.hold != "take" or free <= 0.0 or affordance.of:
+            continue
+        if free > 1.0:
+            down = next((one.name for one in kind.affordances.values() if one.hold == "release"), "put it down")
+            raise CommandError(
+                f"{record.name} can't be handed over: it is carried between both hands; `do {record.name} {down}`, and "
+                f"who is to have it does `do {record.name} {affordance.name}`"
+            )
+        return kind, affordance
     raise CommandError(f"{record.name} can't be handed over: nothing in its file says how a hand takes it")
 
 

@@ -19,6 +19,7 @@ __all__ = ["Course", "NoWay", "blocked", "nearest_free", "plan"]
 
 _NAMED = 4  # as many obstacles are named in a sentence
 _STEP = 0.5  # metres: who goes no farther steps there, and does not walk
+_SAME = 0.03  # metres: who is so near to the goal stands there
 # By how much the clearance grows from a place that lacks it, and for how many metres first not at all: off things at
 # once; out of a gap between two, along both as far as it may reach; and along things for long, for who is in a nook.
 _LEAVES = ((SLOPE, 0.0), (SLOPE, 0.3), (SLOPE / 4.0, 0.0))
@@ -72,8 +73,8 @@ def plan(
 ) -> Course:
     """The way from start to goal that keeps a radius from things, and bends as a person would.
 
-    A start may be anywhere, a goal 0.12 m from a footprint or more; near them the way is as close to things as they
-    are. A bend comes up to 8 cm nearer than the radius, but no nearer than 0.12 m. A step or two along what one stands
+    A start may be anywhere, a goal 0.12 m from a footprint or more, or where one stands; near them the way is as close
+    to things as they are. A bend comes up to 8 cm nearer than the radius, but no nearer than 0.12 m. A step or two along what one stands
     at is straight: who drew back from it for so short a way would have to turn about on it.
 
     Args:
@@ -97,6 +98,8 @@ def plan(
     if (shapely.distance(around.shapes, line) >= radius).all():
         return _straight(start, goal, start_heading)
     ends = around.ends(start, goal)
+    if line.length < _SAME and (ends.clearances[1] > ends.clearances[0] - _NO_NEARER).all():
+        return _straight(start, goal, start_heading)  # one turns where one stands, however near to a thing
     if (ends.clearances[1] < NEAREST).any():
         raise NoWay(partial(_within, around, start, goal))
     if line.length <= _STEP and (shapely.distance(around.shapes, line) > _kept(around, ends)).all():

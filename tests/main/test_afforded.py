@@ -18,6 +18,7 @@ from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.database import Database
 from ahmss.main.listing import list_workspace
+from ahmss.main.passing import taking
 from ahmss.world.schema import ObjectRecord
 
 SHIPPED = Workspace(Path(__file__).resolve().parents[2])
@@ -230,3 +231,12 @@ def test_what_is_between_both_hands_leaves_none_free() -> None:
     room, carrying = Room(), ken(frozenset({"carton"}), carton="right")
     takes = "room/television/switch press: it takes a free hand, and ken holds carton; put that down first"
     assert refusal(room, "television/switch", "press", carrying) == takes
+
+
+def test_what_is_carried_between_both_hands_is_not_handed_over_but_put_down_for_who_is_to_have_it() -> None:
+    """One hand held it out: it hung in the air."""
+    carton = ObjectRecord(1, "carton", "carton", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    told = "between both hands; `do carton put_down`, and who is to have it does `do carton lift`"
+    with pytest.raises(CommandError, match=told):
+        taking(SHIPPED, carton)
+    assert taking(SHIPPED, replace(carton, name="cup", kind="cup"))[1].name == "grasp"

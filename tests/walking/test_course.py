@@ -89,6 +89,14 @@ def test_a_walk_to_where_one_stands_has_no_length():
     np.testing.assert_allclose(heading, np.pi / 2)
 
 
+@pytest.mark.parametrize("place", [(0.56, 0.0), (0.4, 0.1)])  # 6 cm from its edge, and within it
+def test_who_turns_where_they_stand_may_be_as_near_to_a_table_as_they_are(place):
+    x, y = place
+    assert way(place, (x, y + 0.01), [TABLE]).length < 0.02
+    with pytest.raises(NoWay):
+        way(place, (x - 0.02, y), [TABLE])
+
+
 def test_the_way_round_a_table_bends_as_wide_as_asked():
     course = way((-1.2, -0.8), (0.9, 1.6), [TABLE])
     check(course, (-1.2, -0.8), (0.9, 1.6))
