@@ -23,8 +23,10 @@ from ahmss.motion.edit import floor_frame
 from ahmss.motion.planting import feet
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.company import Watching, aside_of, settled
+from ahmss.skills.keeping import kept_clear
 from ahmss.skills.reaching import HEAD
 from ahmss.skills.stepping import ground_of, in_time, rows_of, walk_library, walkers
+from ahmss.skills.tucking import Tucking
 from ahmss.walking.obstacles import Obstacles
 from ahmss.walking.trip import Trip
 
@@ -68,7 +70,6 @@ def come_to(
     Raises:
         AlgorithmError: there is no way, or one does not stand. Rested: one was to come to rest.
     """
-    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy or "-")) and link.endswith(_ARM)]
     for _ in range(_TRIES):
         if _is_there(task, whom, apart, beside=beside):
             return
@@ -76,16 +77,29 @@ def come_to(
             yield from _look_first(task, whom, apart, beside=beside, courteous=courteous)
             if _is_there(task, whom, apart, beside=beside):
                 return
-        place, facing = _goal(task, whom, apart, beside=beside)
-        trip = Trip(
-            task.human, walk_library(task), ground_of(task), place, facing, others=partial(walkers, task),
-            note=task.note, rests=lambda: task.rests,
-        )  # fmt: skip
-        for piece in trip.pieces(task.present.rotations.copy(), task.present.root.copy()):
-            rows = rows_of(task, piece)
-            rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
-            yield from in_time(piece, rows)
+        yield from _gone(task, *_goal(task, whom, apart, beside=beside))
         task.refuse_rest()
+
+
+def _gone(task: HumanTask, place: Array, facing: float) -> Iterator[Array]:
+    """The frames of a walk to a place (2,), hands and what they hold kept out of things by the way."""
+    begun = again(task)
+    begun.present = task.present  # which goes on
+    return kept_clear(begun, _walked(task, Tucking(begun), place, facing))
+
+
+def _walked(task: HumanTask, tucking: Tucking, place: Array, facing: float) -> Iterator[Array]:
+    """The frames of the walk, arms whose hands hold something as they were."""
+    held = [i for i, link in enumerate(LINKS) if link.startswith(tuple(task.busy or "-")) and link.endswith(_ARM)]
+    trip = Trip(
+        task.human, walk_library(task), ground_of(task), place, facing, others=partial(walkers, task),
+        note=task.note, rests=lambda: task.rests,
+    )  # fmt: skip
+    for piece in trip.pieces(task.present.rotations.copy(), task.present.root.copy()):
+        rows = rows_of(task, piece)
+        rows[:, [176 + i for i in held]] = 0.0  # POSE: k, root, 43 rotations, then the importances
+        shown = yield from in_time(piece, tucking.over(rows))
+        tucking.keep(shown)
 
 
 def _distance(task: HumanTask, whom: WorldObject) -> float:

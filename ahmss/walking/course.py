@@ -74,8 +74,8 @@ def plan(
     """The way from start to goal that keeps a radius from things, and bends as a person would.
 
     A start may be anywhere, a goal 0.12 m from a footprint or more, or where one stands; near them the way is as close
-    to things as they are. A bend comes up to 8 cm nearer than the radius, but no nearer than 0.12 m. A step or two along what one stands
-    at is straight: who drew back from it for so short a way would have to turn about on it.
+    to things as they are. A bend comes up to 8 cm nearer than the radius, but no nearer than 0.12 m. A step or two
+    along what one stands at is straight: who drew back from it for so short a way would have to turn about on it.
 
     Args:
         start: (2,) metres, world.
