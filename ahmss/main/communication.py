@@ -220,7 +220,7 @@ class Communication:
         rotation = (float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
         placed = workspace.objects.place(add.kind, name, (x, y, z), rotation)
         with self.errand() as client:
-            deliver(client, placed, workspace)
+            deliver(client, placed, workspace, self.human)
             if self.lockstep:
                 client.refresh()
         return placed

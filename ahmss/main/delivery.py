@@ -19,8 +19,10 @@ __all__ = ["deliver"]
 _MOST_BYTES = 512 << 10  # in a message: the server takes no longer over it than a tick or two
 
 
-def deliver(client: WorldClient, placed: Sequence[Placed], workspace: Workspace) -> None:
+def deliver(client: WorldClient, placed: Sequence[Placed], workspace: Workspace, keeper: str = "") -> None:
     """Add objects, parents before what they contain, all or none. Waits for the files and for the server.
+
+    keeper: the human whose main has them follow their file from then on.
 
     Raises:
         AhmssError: a file is wrong, or the server refused; says why.
@@ -28,7 +30,7 @@ def deliver(client: WorldClient, placed: Sequence[Placed], workspace: Workspace)
     done: set[str] = set()
     try:
         for part in _parts(_described(client, placed, workspace)):
-            client.add(part)
+            client.add(part, keeper)
             done.update(new.name for new in part)
     except WorldError:
         for one in placed:

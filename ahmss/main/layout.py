@@ -16,6 +16,7 @@ from ahmss.errors import AhmssError, Unreachable, WorldError
 from ahmss.main.aside import aside
 from ahmss.main.communication import Communication
 from ahmss.main.delivery import deliver
+from ahmss.main.standing_in import standing_in
 from ahmss.world.schema import ObjectPose
 from ahmss.world.view import World
 
@@ -42,16 +43,18 @@ class _Seen:
 
 
 class Layout:
-    """What this main has added, and what the files say of it now.
+    """What this main has follow its files, and what these say of it now.
 
-    Files are read and the server is told in a thread: no frame waits for that. Objects that somebody has carried
-    elsewhere since stay there; those in use follow when they are let go. What has a part in use, as a panel whose
-    button is pressed, waits for that some seconds; then it is moved, and the part follows it when it is let go.
+    That is what it has added, and what it was given as the main that had added it was gone (`ahmss.world.keeping`):
+    the server says whose main follows what, and refuses what others say of it. Files are read and the server is told in
+    a thread: no frame waits for that. Objects that somebody has carried elsewhere since stay there; those in use follow
+    when they are let go. What has a part in use, as a panel whose button is pressed, waits for that some seconds; then
+    it is moved, and the part follows it when it is let go.
     """
 
     def __init__(self, workspace: Workspace, communication: Communication, say: Callable[[str], None]) -> None:
         self._workspace, self._communication, self._say = workspace, communication, say
-        self._added: dict[str, _Followed] = {}
+        self._followed: dict[str, _Followed] = {}
         self._look: Future[_Seen] | None = None
         self._complaints: list[str] = []
         self._waited: dict[str, int] = {}  # looks, of what has a part in use
@@ -60,7 +63,7 @@ class Layout:
     def remember(self, placed: Sequence[Placed]) -> None:
         """An object was added, with all that it contains."""
         if len(placed) > 1:
-            self._added[placed[0].name] = _Followed(tuple(placed))
+            self._followed[placed[0].name] = _Followed(tuple(placed))
 
     def follow(self, frame: int) -> None:
         """Look at the files once in a second and carry out what has changed in them."""
@@ -69,17 +72,24 @@ class Layout:
             self._look = None
         if frame % _EVERY or self._look is not None:
             return
-        objects = self._communication.world.objects
-        self._added = {name: followed for name, followed in self._added.items() if name in objects}
-        if self._added:
-            added = self._added
-            self._look = aside(lambda: self._look_at(added))
+        kept = self._kept()
+        self._followed = {name: followed for name, followed in self._followed.items() if name in kept}
+        if kept:
+            known = {name: self._followed.get(name) for name in kept}
+            self._look = aside(lambda: self._look_at(known))
+
+    def _kept(self) -> list[str]:
+        """What this main has follow its file now."""
+        objects, human = self._communication.world.objects, self._communication.human
+        kept = [name for name, record in objects.items() if record.keeper == human]
+        if not kept:
+            return kept
+        wholes = {record.parent for record in objects.values()}
+        return [name for name in kept if name in wholes]
 
     def _take(self, seen: _Seen) -> None:
         """Keep what a look has found; a file that stays wrong, as one half-written, is complained of once."""
-        for name, followed in seen.placed.items():
-            if name in self._added:
-                self._added[name] = followed
+        self._followed |= seen.placed
         for complaint in seen.complaints:
             if complaint not in self._complaints:
                 self._say(complaint)
@@ -87,13 +97,14 @@ class Layout:
 
     # In the thread
 
-    def _look_at(self, added: Mapping[str, _Followed]) -> _Seen:
-        """Compare each object with its files."""
+    def _look_at(self, known: Mapping[str, _Followed | None]) -> _Seen:
+        """Compare each object with its files; None: it is looked at first, as it is in the world."""
         seen = _Seen()
         if self._late:
-            self._fetch({one.name: one for was in added.values() for one in was.placed})
-        for name, was in added.items():
+            self._fetch({one.name: one for was in known.values() if was is not None for one in was.placed})
+        for name, remembered in known.items():
             try:
+                was = remembered or self._taken_over(name)
                 kinds = {kind: self._workspace.objects.get(kind) for kind in {one.kind for one in was.placed}}
                 if kinds.keys() == was.kinds.keys() and all(kinds[kind] is was.kinds[kind] for kind in kinds):
                     continue
@@ -108,6 +119,16 @@ class Layout:
             except AhmssError as error:
                 seen.complaints.append(str(error))
         return seen
+
+    def _taken_over(self, name: str) -> _Followed:
+        """What another main had follow its file until now, as it is."""
+        with self._communication.errand() as client:
+            world = client.refresh()
+        if name not in world.objects:
+            return _Followed(())
+        top = world.objects[name]
+        x, y, z, w, i, j, k = world.pose(name).tolist()
+        return _Followed(standing_in(world, self._workspace.objects.place(top.kind, name, (x, y, z), (w, i, j, k))))
 
     def _change(self, before: tuple[Placed, ...], now: tuple[Placed, ...]) -> tuple[list[str], frozenset[str]]:
         """Tell the server what changed; its refusals, and what can't be done until it is let go."""
@@ -124,14 +145,14 @@ class Layout:
                 return False
             return True
 
-        changes = difference(before, now)
+        changes, human = difference(before, now), self._communication.human
         with self._communication.errand() as client:
             for name in changes.removed:  # children first, and with a child its parents wait
-                if not attempt(lambda name=name: client.remove(name)):
+                if not attempt(lambda name=name: client.remove(name, human)):
                     waiting.add(name)
             added = tuple(one for one in changes.added if not _within(one.name, waiting))
             if added:
-                attempt(lambda: deliver(client, added, self._workspace))
+                attempt(lambda: deliver(client, added, self._workspace, human))
             moved = tuple(one for one in changes.moved if not _within(one.name, waiting))
             world = client.refresh() if moved else None
             for one in moved:
@@ -150,11 +171,12 @@ class Layout:
                     continue
                 self._waited.pop(one.name, None)
                 self._late.update(used)
-                attempt(lambda one=one, world=world: client.move([_pose(world, one)], layout=True))
+                attempt(lambda one=one, world=world: client.move([_pose(world, one)], layout=True, keeper=human))
         return list(refusals), frozenset(waiting)
 
     def _fetch(self, placed: Mapping[str, Placed]) -> None:
         """Put parts that were in use when their whole was moved where they belong, as soon as they are let go."""
+        human = self._communication.human
         with self._communication.errand() as client:
             world = client.refresh()
             for name in sorted(self._late):
@@ -163,7 +185,7 @@ class Layout:
                     continue
                 self._late.discard(name)
                 if record is not None and name in placed and not record.moved:
-                    client.move([_pose(world, placed[name])], layout=True)
+                    client.move([_pose(world, placed[name])], layout=True, keeper=human)
 
 
 def _in_use(world: World, name: str) -> list[str]:

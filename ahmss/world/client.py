@@ -275,17 +275,17 @@ class WorldClient:
         """The human leaves the world (`stay`: its body stays standing); what it holds rests where it is."""
         self._ask(schema.Leave(name, stay), schema.Done)
 
-    def add(self, objects: Sequence[NewObject]) -> list[ObjectRecord]:
-        """Add objects, parents before what they contain, all or none."""
-        return self._ask(schema.Add(list(objects)), schema.Added).objects
+    def add(self, objects: Sequence[NewObject], keeper: str = "") -> list[ObjectRecord]:
+        """Add objects, parents before what they contain, all or none; `keeper`: whose main follows their file."""
+        return self._ask(schema.Add(list(objects), keeper=keeper), schema.Added).objects
 
-    def remove(self, name: str) -> None:
-        """Remove an object and what it carries."""
-        self._ask(schema.Remove(name), schema.Done)
+    def remove(self, name: str, keeper: str = "") -> None:
+        """Remove an object and what it carries; `keeper`: as its file says, which that human's main follows."""
+        self._ask(schema.Remove(name, keeper=keeper), schema.Done)
 
-    def move(self, poses: Sequence[ObjectPose], *, layout: bool = False) -> None:
+    def move(self, poses: Sequence[ObjectPose], *, layout: bool = False, keeper: str = "") -> None:
         """Put objects elsewhere at once, all or none (`layout`: only while nobody has touched them)."""
-        self._ask(schema.Move(list(poses), layout), schema.Done)
+        self._ask(schema.Move(list(poses), layout, keeper=keeper), schema.Done)
 
     def claim(self, human: str, objects: Sequence[str], hand: str = "") -> None:
         """The human alone moves these objects from now on, all or none; `hand`: it takes them in that hand."""

@@ -94,7 +94,8 @@ class ObjectRecord(msgspec.Struct, frozen=True, gc=False):
 
     `parent` is the name of the object that contains it. An `attached` object is carried by its parent; one that was
     taken in the hand is loose from then on. `moved`: somebody has moved it since it was added. `behaviour`: the hash of
-    what its kind shows and sets by its states (`ahmss.states.behaviour`), JSON, kept like a shape.
+    what its kind shows and sets by its states (`ahmss.states.behaviour`), JSON, kept like a shape. `keeper`: the human
+    whose main has it follow its file; "": nobody's does, or it is contained in what has one.
     """
 
     id: int
@@ -112,6 +113,7 @@ class ObjectRecord(msgspec.Struct, frozen=True, gc=False):
     attached: bool = True
     moved: bool = False
     behaviour: str = ""
+    keeper: str = ""
 
 
 class HumanRecord(msgspec.Struct, frozen=True):
@@ -145,6 +147,7 @@ class ObjectChange(msgspec.Struct, frozen=True, array_like=True, gc=False):
     hand: str = ""
     attached: bool = True
     moved: bool = False
+    keeper: str = ""
 
 
 class Snapshot(msgspec.Struct, frozen=True, tag="snapshot"):
@@ -238,25 +241,34 @@ class NewObject(msgspec.Struct, frozen=True, gc=False):
 
 
 class Add(msgspec.Struct, frozen=True, tag="add"):
-    """Add objects, parents before what they contain, all or none; answered by Added."""
+    """Add objects, parents before what they contain, all or none; answered by Added.
+
+    `keeper`: the human whose main has them follow their file from now on; refused where that is another's already.
+    """
 
     objects: list[NewObject]
     request: int = 0
+    keeper: str = ""
 
 
 class Remove(msgspec.Struct, frozen=True, tag="remove"):
-    """Remove an object and what it carries."""
+    """Remove an object and what it carries. `keeper`: as its file says, which this human's main follows."""
 
     name: str
     request: int = 0
+    keeper: str = ""
 
 
 class Move(msgspec.Struct, frozen=True, tag="move"):
-    """Put objects elsewhere at once, all or none. `layout`: the file says so, nobody has touched them."""
+    """Put objects elsewhere at once, all or none. `layout`: the file says so, nobody has touched them.
+
+    `keeper`: the human whose main follows that file.
+    """
 
     poses: list[ObjectPose]
     layout: bool = False
     request: int = 0
+    keeper: str = ""
 
 
 class Claim(msgspec.Struct, frozen=True, tag="claim"):

@@ -15,6 +15,7 @@ from ahmss.world.assets import Assets
 from ahmss.world.behaviours import Behaviours
 from ahmss.world.changes import Changes
 from ahmss.world.falls import Falls
+from ahmss.world.keeping import check_keeper, hand_on, keep
 from ahmss.world.people import FRAME_NUMBER, PERSON_WIDTH, WAY, People, Person
 from ahmss.world.schema import POSE_WIDTH, ObjectChange, Reply, Request, Scene, Snapshot, Ticked
 from ahmss.world.solids import Solids
@@ -66,13 +67,19 @@ class Space:
                 names = {name for new in request.objects for name in (new.shape, new.texture, new.behaviour)}
                 self._check_assets(*sorted(names))
                 self.things.behaviours.check({new.behaviour for new in request.objects})
+                within = {new.parent for new in request.objects} & self.things.by_name.keys()
+                check_keeper(self.things, sorted(within), request.keeper)
                 added = self.things.add(request.objects)
+                keep(added, request.keeper)
+                self._hand_on()
                 return schema.Added(number, [self.things.record(thing) for thing in added])
             case schema.Leave(human=name):
                 self._leave(self.people.owned(owner, name), now, stays=request.stay)
             case schema.Remove(name=name):
+                check_keeper(self.things, [name], request.keeper)
                 self.things.remove(self.owned(owner), name)
             case schema.Move():
+                check_keeper(self.things, [pose.name for pose in request.poses], request.keeper)
                 self.things.move(owner, self.owned(owner), request.poses, layout=request.layout)
             case schema.Claim(human=name):
                 self.people.owned(owner, name)
@@ -101,6 +108,7 @@ class Space:
             person.owner, person.left_at = b"", now
             self.people.forget_way(person.record.id)
             self.things.release_all(name)
+        self._hand_on()
         return names
 
     def expire(self, now: float, grace_s: float) -> list[str]:
@@ -116,6 +124,7 @@ class Space:
     def _join(self, owner: bytes, join: schema.Join) -> Reply:
         self._check_assets(join.skeleton, join.shape, join.texture)
         person = self.people.join(owner, join)
+        self._hand_on()
         lost: list[str] = []
         for held in join.holds:
             hand = join.hands.get(held.name, "")
@@ -136,6 +145,11 @@ class Space:
             self.people.forget_way(person.record.id)
         else:
             self.people.remove(name)
+        self._hand_on()
+
+    def _hand_on(self) -> None:
+        """Whose main is gone has no file to follow any more."""
+        hand_on(self.things, [name for name, person in self.people.by_name.items() if person.owner])
 
     def _transfer(self, owner: bytes, request: schema.Transfer) -> None:
         giver, taker = self.people.get(request.giver), self.people.get(request.taker)
@@ -246,4 +260,6 @@ class Space:
 
 def _change(thing: Thing) -> ObjectChange:
     """What of it may differ from its record."""
-    return ObjectChange(thing.id, dict(thing.states), thing.holder, thing.hand, thing.attached, thing.moved)
+    return ObjectChange(
+        thing.id, dict(thing.states), thing.holder, thing.hand, thing.attached, thing.moved, thing.keeper
+    )

@@ -50,6 +50,7 @@ class Thing:
     attached: bool = True
     moved: bool = False
     fell: bool = False
+    keeper: str = ""
     children: list[str] = field(default_factory=list[str])
 
 
@@ -91,6 +92,7 @@ class Things:
         return ObjectRecord(
             thing.id, thing.name, thing.kind, (x, y, z), tuple(rotation), thing.parent, thing.shape, thing.texture,
             dict(thing.states), thing.holder, thing.hand, thing.movable, thing.attached, thing.moved, thing.behaviour,
+            thing.keeper,
         )  # fmt: skip
 
     def add(self, objects: Sequence[NewObject]) -> list[Thing]:
@@ -116,6 +118,7 @@ class Things:
             )  # fmt: skip
             self.next_id = max(self.by_id) + 1
         known.states, known.attached, known.moved = dict(record.states), record.attached, record.moved
+        known.keeper = record.keeper
         self.poses[record.id][:] = pose
 
     def remove(self, owned: frozenset[str] | set[str], name: str) -> None:

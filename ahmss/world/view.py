@@ -182,7 +182,7 @@ class World:
             name = self._names[change.id]
             self.objects[name] = msgspec.structs.replace(
                 self._scene[self._rows[name]], states=change.states, holder=change.holder, hand=change.hand,
-                attached=change.attached, moved=change.moved,
+                attached=change.attached, moved=change.moved, keeper=change.keeper,
             )  # fmt: skip
         self._changed = tuple(self._names[change.id] for change in changes)
 

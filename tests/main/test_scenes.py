@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -149,3 +151,42 @@ def test_what_somebody_has_moved_stays_and_the_others_follow_the_file(
     go_on(main, lambda: main.report.messages != [])  # the answer may come after the frame that shows the change
     assert np.abs(main.communication.pose("shelf/b0")[:3] - [0.0, 2.0, 0.0]).max() < 1e-9
     assert main.report.messages == ["shelf/b0 was moved by somebody; it stays where it is"]
+
+
+def test_who_is_left_follows_the_files_of_who_was_killed(server: Start, join: Join, workspace: Path) -> None:
+    """Of what the killed one had added, moved parts, and those that somebody had carried off; each change once."""
+    write_shelf(workspace, [0.0, 0.2, 0.4])
+    one = server(lease_s=1.0)
+    command = [sys.executable, "-m", "ahmss", "main", "--server", one.address, "--workspace", str(workspace)]
+    doomed = subprocess.Popen([*command, "--human", "aiko", "--body", "ken"], stdin=subprocess.PIPE, text=True)
+    assert doomed.stdin is not None
+    try:
+        main, rest = join(one), join(one, "mari", place=(0.0, 1.0))
+        world = main.communication.world
+        doomed.stdin.write("add shelf at 1 0 0 facing 90\n")
+        doomed.stdin.flush()
+
+        def both() -> None:
+            main.frame()
+            rest.frame()
+            time.sleep(0.005)
+
+        while len(world.objects) < 4:
+            both()
+        assert world.objects["shelf"].keeper == "aiko"
+        with WorldClient(one.address) as client:
+            client.move([ObjectPose("shelf/b2", (5.0, 5.0, 0.0), (1.0, 0.0, 0.0, 0.0))])
+        os.kill(doomed.pid, signal.SIGKILL)
+        write_shelf(workspace, [0.0, 0.3, 0.4, 0.6])  # while nobody follows it
+        while "shelf/b3" not in world.objects or abs(main.communication.pose("shelf/b1")[1] - 0.3) > 1e-6:
+            both()
+        assert world.objects["shelf"].keeper == "ken"
+        write_shelf(workspace, [0.1, 0.3, 0.4])
+        while "shelf/b3" in world.objects or abs(main.communication.pose("shelf/b0")[1] - 0.1) > 1e-6:
+            both()
+        assert np.abs(main.communication.pose("shelf/b2")[:3] - [5.0, 5.0, 0.0]).max() < 1e-6
+        assert main.report.messages == rest.report.messages == []
+    finally:
+        doomed.kill()
+        doomed.wait()
+        doomed.stdin.close()

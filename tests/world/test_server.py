@@ -182,6 +182,31 @@ def test_layout_moves_what_was_used_but_not_what_was_carried(start, connect):
         ken.move([ObjectPose("tray", (1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0))], layout=True)
 
 
+def test_one_main_at_a_time_follows_the_file_of_an_object_and_another_when_it_is_gone(start, connect):
+    server = start(lease_s=0.5)
+    ken, aiko = connect(server), connect(server)
+    join(ken, "ken")
+    join(aiko, "aiko")
+    ken.add([NewObject("tray", "tray"), NewObject("tray/cup", "cup", parent="tray")], keeper="ken")
+    assert {name: record.keeper for name, record in aiko.refresh().objects.items()} == {"tray": "ken", "tray/cup": ""}
+    moved = [ObjectPose("tray/cup", (1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]
+    with pytest.raises(WorldError, match="tray follows its file by ken's main now, no longer by aiko's"):
+        aiko.move(moved, layout=True, keeper="aiko")
+    ken.leave("ken")
+    assert aiko.refresh().objects["tray"].keeper == "aiko"
+    aiko.move(moved, layout=True, keeper="aiko")
+    for change in (
+        lambda: ken.move(moved, layout=True, keeper="ken"), lambda: ken.remove("tray/cup", "ken"),
+        lambda: ken.add([NewObject("tray/jug", "cup", parent="tray")], "ken"),
+    ):  # fmt: skip
+        with pytest.raises(WorldError, match="by aiko's main now"):
+            change()
+    aiko.leave("aiko")
+    assert aiko.refresh().objects["tray"].keeper == "aiko"  # nobody is there
+    join(ken, "mari")
+    assert ken.refresh().objects["tray"].keeper == "mari"
+
+
 def test_two_humans_can_not_hold_one_cup_and_one_gives_it_to_the_other(start, connect):
     server = start()
     ken, aiko, viewer = (connect(server) for _ in range(3))
