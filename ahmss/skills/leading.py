@@ -2,8 +2,9 @@
 
 A fist holds it in the palm, a pinch between thumb and index: whichever is nearer when it is caught leads it. A fist is
 closed when its fingers are bent, a pinch when thumb and index finger have come together since they came near, however
-bent a hand at ease has the others. When the hand opens, or leaves it by more than a threshold, it stays. What the
-shipped object algorithms of parts share.
+bent a hand at ease has the others. From then on the place where the part is taken goes with the palm: where thumb and
+fingers roll on it their tips go this way and that, though it stays between them. When the hand opens, or leaves it by more than a threshold, it
+stays. What the shipped object algorithms of parts share.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def led(
     hands = {side: _Fingers(_bent(task.start, side)) for side in sides}
     leads: tuple[str, int] | None = None  # a hand, and its palm or pinch
     brought = way
-    before = task.object.frame
+    held = before = task.object.frame
     for human in task.frames():
         if leads is None and _far(task, human, sides, at(way), threshold):
             for side, hand in hands.items():
@@ -67,7 +68,7 @@ def led(
             if apart > threshold or not hands[leads[0]].holds(leads[1], closed):
                 way, leads = settled(way), None
             else:
-                leader = _leader(task, human, leads, points)
+                leader = _palm(task, human, leads[0]).then(held)
                 brought += gone(before, leader)
                 way, before = float(np.clip(brought, *limits)), leader
         else:
@@ -75,7 +76,9 @@ def led(
             which = int(found.argmin())
             if found.min() <= threshold and hands[side].closes(which, closed):
                 leads, brought = (side, which), way
-                before = _leader(task, human, leads, points)
+                palm = _palm(task, human, side)
+                before = Transform(at(way), palm.rotation)
+                held = palm.inverse().then(before)
         yield way
 
 
@@ -123,10 +126,9 @@ class _Fingers:
         return self._bent >= bent and self._bends <= _BENDS
 
 
-def _leader(task: ObjectTask, human: HumanFrame, leads: tuple[str, int], points: dict[str, Array]) -> Transform:
-    """The point that leads, turned as its palm, in the object's frame."""
-    turned = task.object.frame.inverse().then(human.grip(leads[0])).rotation
-    return Transform(points[leads[0]][leads[1]], turned)
+def _palm(task: ObjectTask, human: HumanFrame, side: str) -> Transform:
+    """A palm in the object's frame."""
+    return task.object.frame.inverse().then(human.grip(side))
 
 
 def _nearest(points: dict[str, Array], end: Array) -> tuple[str, Array]:
