@@ -147,11 +147,15 @@ class Hand:
             palms: (F, 7) the palm's frames there.
             rotations: (F, 14, 4) of the fingers.
         """
+        return -float(self.gaps(solid, palms, rotations).min())
+
+    def gaps(self, solid: Solid, palms: Array, rotations: Array) -> Array:
+        """Metres (F, 14) between the skin of each link and a solid, negative within; arguments as of `depth`."""
         middles, radii = self.balls(rotations)
         q_object_hand = multiply(palms[:, 3:], conjugate(self.grip[3:]))
         places = palms[:, :3] - rotate(q_object_hand, self.grip[:3])
         seen = places[:, None, None] + rotate(q_object_hand[:, None, None], middles)
-        return -float((solid.clearance(seen) - radii).min())
+        return (solid.clearance(seen) - radii).min(axis=-1)
 
     def palm_depth(self, solid: Solid, palms: Array) -> Array:
         """How deep the skin of the palm is in a solid, metres (F), negative outside, its frame at places (F, 7)."""

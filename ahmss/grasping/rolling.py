@@ -14,30 +14,39 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand, Thumb
 from ahmss.grasping.holding import Holding
 
-__all__ = ["rolled", "wrapped_at"]
+__all__ = ["amiss", "rolled", "wrapped_at"]
 
 RISES = np.radians([22.0, 8.0, 0.0, 40.0, 55.0])  # planes of a thumb that wraps, out of the palm to its own side
 MOST = 0.45  # radians that a joint goes on from how it took hold
 
 
-def rolled(hand: Hand, field: Field, palm: Array, holding: Holding) -> Holding:
-    """A precision grip closed anew where the palm is at another place (7,) in the object's frame.
+def rolled(hand: Hand, field: Field, palms: Array, holding: Holding) -> list[Holding]:
+    """A precision grip closed anew, once for each other place (n, 7) of the palm in the object's frame.
 
     Args:
         hand: that holds.
         field: of the object, in whose frame all is.
-        palm: its palm's frame.
+        palms: its palm's frames.
         holding: how it took hold, from which no joint goes far.
     """
-    q_object_hand = multiply(palm[3:], conjugate(hand.grip[3:]))
-    hands = Hands((palm[:3] - rotate(q_object_hand, hand.grip[:3]))[None], to_matrix(q_object_hand)[None])
+    hands, n = _hands(hand, palms), len(palms)
     flexion = close_fingers(hand, hands, field, PRECISION).flexion
     flexion = np.clip(flexion, holding.flexion - MOST, holding.flexion + MOST)
-    rise, bend = np.full(1, float(holding.thumb.rise)), np.full(1, THUMB_SLACK)
+    rise, bend = np.full(n, float(holding.thumb.rise)), np.full(n, THUMB_SLACK)
     thumb, _, _ = close_thumb(hand, hands, field, flexion, rise, bend)
-    out = np.clip(thumb.out[0], holding.thumb.out - MOST, holding.thumb.out + MOST)
-    one = Thumb(out, thumb.rise[0], thumb.bend[0])
-    return replace(holding, palm=palm, shape=hand.rotations(flexion[0], one), flexion=flexion[0], thumb=one)
+    out = np.clip(thumb.out, holding.thumb.out - MOST, holding.thumb.out + MOST)
+    made: list[Holding] = []
+    for palm, bent, *own in zip(palms, flexion, out, thumb.rise, thumb.bend, strict=True):
+        one = Thumb(*own)
+        made.append(replace(holding, palm=palm, shape=hand.rotations(bent, one), flexion=bent, thumb=one))
+    return made
+
+
+def amiss(hand: Hand, field: Field, palms: Array, shapes: Array) -> float:
+    """Metres by which fingers (n, 14, 4) are in what they pinch at the most, or the thumb or all others are off it."""
+    gaps = hand.gaps(field, palms, shapes)
+    thumb, others = gaps[:, :2].min(axis=1), gaps[:, 2:].min(axis=1)
+    return float(np.maximum(np.abs(thumb), np.abs(others)).max())
 
 
 def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Generator[None, None, Array]:
@@ -51,9 +60,7 @@ def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Generat
         palms: its palm's frames.
         nearly: (n, 14, 4) the fingers nearly closed: from a little more open than so they close until they touch.
     """
-    q_object_hand = multiply(palms[:, 3:], np.broadcast_to(conjugate(hand.grip[3:]), palms[:, 3:].shape))
-    on_hand = np.broadcast_to(hand.grip[:3], palms[:, :3].shape)
-    hands = Hands(palms[:, :3] - rotate(q_object_hand, on_hand), to_matrix(q_object_hand))
+    hands = _hands(hand, palms)
     flexion = tightened(hand, hands, field, hand.flexion(nearly))
     n, tried = len(palms), list[tuple[Thumb, Array, Array]]()
     for rise in RISES:
@@ -63,3 +70,10 @@ def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Generat
     thumb, _, _ = min(tried, key=lambda one: float(np.abs(one[1].min(axis=1)).max()))
     shapes = [hand.rotations(flexion[i], Thumb(thumb.out[i], thumb.rise[i], thumb.bend[i])) for i in range(n)]
     return np.stack(shapes)
+
+
+def _hands(hand: Hand, palms: Array) -> Hands:
+    """The hands of palms (n, 7)."""
+    q_object_hand = multiply(palms[:, 3:], np.broadcast_to(conjugate(hand.grip[3:]), palms[:, 3:].shape))
+    on_hand = np.broadcast_to(hand.grip[:3], palms[:, :3].shape)
+    return Hands(palms[:, :3] - rotate(q_object_hand, on_hand), to_matrix(q_object_hand))

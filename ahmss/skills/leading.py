@@ -3,8 +3,8 @@
 A fist holds it in the palm, a pinch between thumb and index: whichever is nearer when it is caught leads it. A fist is
 closed when its fingers are bent, a pinch when thumb and index finger have come together since they came near, however
 bent a hand at ease has the others. From then on the place where the part is taken goes with the palm: where thumb and
-fingers roll on it their tips go this way and that, though it stays between them. When the hand opens, or leaves it by more than a threshold, it
-stays. What the shipped object algorithms of parts share.
+fingers roll on it their tips go this way and that, though it stays between them. When the hand opens, or leaves it by
+more than a threshold, it stays. What the shipped object algorithms of parts share.
 """
 
 from __future__ import annotations

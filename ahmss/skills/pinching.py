@@ -278,9 +278,10 @@ def _made(
     holding = held_on(task, part, side, plan.palm, holding)
     wide, links = open_hand(task, side, holding), list(fingers(side))
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
-    way = _course(task, part)[0]
-    shapes = yield from gaze.during(shapes_on(task, part, side, plan.palm, holding, way))
-    made.rotations[len(made.root) - len(then) :, links] = slerp(wide, shapes, closed[:, None])
+    n, way = len(then), _course(task, part)[0]
+    palms = made.targets[-n:, plan.reacher.row, :7]
+    shapes = shapes_on(task, part, side, palms, way, closed == 1.0, holding)
+    made.rotations[-n:, links] = slerp(wide, shapes, closed[:, None])
     return made
 
 

@@ -1,65 +1,95 @@
-"""Thumb and fingers of a hand on a part: closed on it as the hand was set there, and rolling on it where the hand turns
-less than the part does.
+"""Thumb and fingers of a hand on a part: closed on it as the hand was set there, and kept so if they go well with it.
+
+Else they are closed anew along its way: where the hand turns less than the part does they roll on it, and where the arm
+does not bring it just where it should they are on it all the same.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.quaternion import slerp
+from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding
 from ahmss.grasping.key_grip import curled
-from ahmss.grasping.rolling import rolled
-from ahmss.motion.steps import Steps
-from ahmss.skills.part_ways import Part, on_part
+from ahmss.grasping.rolling import amiss, rolled
+from ahmss.skills.part_ways import Part
 
 __all__ = ["held_on", "shapes_on"]
 
-_STOPS = np.linspace(0.0, 1.0, 6)  # shares of the way at which fingers that roll are closed anew
-_AT_ONCE = 2  # places between two pauses
-_ROLLS = np.radians([2.0, 35.0])  # that the hand is turned about the part, for them to roll; by more it slips
+_STOPS = np.linspace(0.0, 1.0, 6)  # shares of the way at which fingers are looked at, and closed anew
+_WELL = 0.001  # metres that skin may be in the part or off it for them to stay as they took hold
+_GAINS = 3e-4  # metres that closing them anew must gain
+_ALONG = np.linspace(0.0, 1.0, 101)  # shares of the way at which it is looked where the part is that a palm has
+_ASIDE = 1e-4  # metres that being elsewhere on the way counts as: where it stays in place all of these are alike
 
 
 def held_on(task: HumanTask, part: Part, side: str, palm: Array, holding: Holding) -> Holding:
     """The grip closed on the part by a hand that was set before it, its palm (7,), turned about it."""
-    return _closed(task, side, part.site.inverse().then(part.palm(palm)), holding)
+    hand, field, at_rest = _shape(task, side)
+    seen = at_rest.then(part.site.inverse().then(part.palm(palm))).row()
+    again = rolled(hand, field, seen[None], holding)[0]
+    return again if holding.wide is None else curled(hand, again)
 
 
-def shapes_on(task: HumanTask, part: Part, side: str, palm: Array, holding: Holding, way: Array) -> Steps[Array]:
-    """The fingers (n, 14, 4) closed on the part when it has gone such shares (n) of its way; it pauses before
-    every second place at which they are closed anew.
+def shapes_on(
+    task: HumanTask, part: Part, side: str, palms: Array, way: Array, held: NDArray[np.bool_], holding: Holding
+) -> Array:
+    """The fingers (n, 14, 4) of a hand that comes to the part, goes with it and leaves it.
 
     Args:
-        task: whose hand. part: what it holds. side: of the hand. palm: (7,) before the part, where it is set.
-        holding: closed on it where the part sets out. way: shares.
+        task: whose hand. part: what it holds. side: of the hand.
+        palms: (n, 7) as the arm really brings them. way: (n,) shares of the part's way that they bring it.
+        held: (n,) in which frames the fingers are closed on it.
+        holding: closed on it where the part sets out.
     """
-    palms = on_part(part, part.palm(palm).row()[None], _STOPS)[:, 0]
-    seen = part.at(_STOPS).inverse().then(Transform.of(palms))
-    turned = 2.0 * np.arccos(np.clip(np.abs(seen.rotation @ seen.rotation[0]), 0.0, 1.0))
-    if not _ROLLS[0] < turned.max() < _ROLLS[1]:
-        return np.broadcast_to(holding.shape, (len(way), *holding.shape.shape))
-    shapes = [holding.shape]
-    for k, (place, rotation) in enumerate(zip(seen.place[1:], seen.rotation[1:], strict=True)):
-        if k % _AT_ONCE == 0:
-            yield
-        shapes.append(_closed(task, side, Transform(place, rotation), holding).shape)
-    stops = np.stack(shapes)
+    on = np.flatnonzero(held)
+    return _between(_at_stops(task, part, side, palms[on], way[on], holding), way)
+
+
+def _at_stops(task: HumanTask, part: Part, side: str, palms: Array, way: Array, holding: Holding) -> Array:
+    """The fingers (stops, 14, 4) closed on the part, brought by palms (m, 7) along all of its way (m,)."""
+    hand, field, at_rest = _shape(task, side)
+    stops = np.minimum(np.searchsorted(way, _STOPS), len(way) - 1)
+    seen = at_rest.then(_held(part, palms, way, stops).inverse().then(Transform.of(palms[stops]))).row()
+    kept = np.broadcast_to(holding.shape, (len(stops), *holding.shape.shape))
+    flaw = amiss(hand, field, seen, kept)
+    if flaw < _WELL:
+        return kept
+    again = rolled(hand, field, seen, holding)
+    again = again if holding.wide is None else [curled(hand, one) for one in again]
+    shapes = np.stack([one.shape for one in again])
+    return shapes if amiss(hand, field, seen, shapes) < flaw - _GAINS else kept
+
+
+def _between(shapes: Array, way: Array) -> Array:
+    """Fingers (n, 14, 4) when the part has gone such shares (n) of its way, of those (m, 14, 4) at the stops."""
     after = np.clip(np.searchsorted(_STOPS, way), 1, len(_STOPS) - 1)
     done = (way - _STOPS[after - 1]) / (_STOPS[after] - _STOPS[after - 1])
-    return slerp(stops[after - 1], stops[after], done[:, None])
+    return slerp(shapes[after - 1], shapes[after], done[:, None])
 
 
-def _closed(task: HumanTask, side: str, palm: Transform, holding: Holding) -> Holding:
-    """A grip closed anew by a palm that the part's site sees so."""
+def _held(part: Part, palms: Array, way: Array, which: NDArray[np.intp]) -> Transform:
+    """The part's site where some of the palms (m, 7) that hold it bring it, which do not come just as they should.
+
+    way: (m,) shares of it that they should have brought it. which: of them.
+    """
+    own = Transform.of(palms[0]).inverse().apply(part.way(way[:1])[0][0])
+    places = Transform.of(palms[which]).apply(own)
+    off = np.linalg.norm(part.way(_ALONG)[0] - places[:, None], axis=-1)
+    return part.at(_ALONG[(off + _ASIDE * np.abs(_ALONG - way[which, None])).argmin(axis=1)])
+
+
+def _shape(task: HumanTask, side: str) -> tuple[Hand, Field, Transform]:
+    """The hand, the distances from the thing that has the part, and the part's site as the shape has it."""
     thing = task.object
     assert thing is not None
     assert thing.shape is not None
     assert task.site is not None
-    at_rest = thing.frame.inverse().then(task.site)  # the shape has the part so
-    hand = Hand.of(task.human, side)
-    again = rolled(hand, thing.shape.field(at_rest.place), at_rest.then(palm).row(), holding)
-    return again if holding.wide is None else curled(hand, again)
+    at_rest = thing.frame.inverse().then(task.site)
+    return Hand.of(task.human, side), thing.shape.field(at_rest.place), at_rest

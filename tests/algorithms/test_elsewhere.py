@@ -43,7 +43,7 @@ def test_a_switch_that_the_hand_can_not_turn_from_here_is_turned_from_elsewhere(
     assert np.linalg.norm(went - begun[:2]) > 0.1
     assert np.linalg.norm(went - np.array(SOMEBODY.place[:2])) > 0.5
     assert done.nearest(PANEL.others(SWITCH)) > -0.002
-    assert len(done.shown) < 1300  # of which who looked for ways that could not serve stood there for thousands
+    assert len(done.shown) < 1200  # of which who looked for ways that could not serve stood there for thousands
 
 
 @pytest.mark.parametrize(
