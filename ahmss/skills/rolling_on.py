@@ -25,6 +25,7 @@ __all__ = ["held_on", "shapes_on"]
 _STOPS = np.linspace(0.0, 1.0, 6)  # shares of the way at which fingers are looked at, and closed anew
 _WELL = 0.001  # metres that skin may be in the part or off it for them to stay as they took hold
 _GAINS = 3e-4  # metres that closing them anew must gain
+_SLIPS = np.cos(np.radians(17.5))  # of half of what the hand turns about the part: by more it slips in the fingers
 _ALONG = np.linspace(0.0, 1.0, 101)  # shares of the way at which it is looked where the part is that a palm has
 _ASIDE = 1e-4  # metres that being elsewhere on the way counts as: where it stays in place all of these are alike
 
@@ -58,8 +59,8 @@ def _at_stops(task: HumanTask, part: Part, side: str, palms: Array, way: Array, 
     stops = np.minimum(np.searchsorted(way, _STOPS), len(way) - 1)
     seen = at_rest.then(_held(part, palms, way, stops).inverse().then(Transform.of(palms[stops]))).row()
     kept = np.broadcast_to(holding.shape, (len(stops), *holding.shape.shape))
-    flaw = amiss(hand, field, seen, kept)
-    if flaw < _WELL:
+    flaw, turned = amiss(hand, field, seen, kept), np.abs(seen[:, 3:] @ seen[0, 3:]).min()
+    if flaw < _WELL or turned < _SLIPS:
         return kept
     again = rolled(hand, field, seen, holding)
     again = again if holding.wide is None else [curled(hand, one) for one in again]
