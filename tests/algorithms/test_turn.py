@@ -106,9 +106,13 @@ def test_thumb_and_a_finger_stay_on_the_lever_while_it_turns(name: str, begins: 
         assert min(gaps[finger] for finger in ("index", "middle")) < 0.002, (k, gaps)
 
 
-def test_the_fingers_of_a_hand_that_turns_less_roll_on_the_lever() -> None:
-    """Closed on it as it was when they took it, the thumb was up to 4.7 mm in it when it was shut."""
-    body = standing("aiko")
+@pytest.mark.parametrize("name", ["aiko", "ken"])
+def test_the_fingers_of_a_hand_that_turns_less_roll_on_the_lever(name: str) -> None:
+    """Closed on it as it was when they took it, aiko's thumb was up to 4.7 mm in it when it was shut.
+
+    And ken's 3.2 mm while the lever went with the ends of thumb and index finger, which roll, and not with the palm.
+    """
+    body = standing(name)
     before = PoseRecord.of(body.rotations, body.root)
     shown = body.do("turn", turning(body, LARGEST, busy=["right"]))
     moves = msgspec.structs.replace(turning(body, LARGEST), kind="object", pose=before, hand="left")
@@ -119,8 +123,8 @@ def test_the_fingers_of_a_hand_that_turns_less_roll_on_the_lever() -> None:
     assert abs(angles[-1]) < 0.02
     turns = np.flatnonzero(np.diff(angles) != 0.0)[:-1]
     for k in turns[:: len(turns) // 6].tolist():
-        gaps = from_lever("aiko", "left", shown[k + 1], float(angles[k + 1]))
-        assert min(gaps.values()) > -0.002, (k, gaps)
+        gaps = from_lever(name, "left", shown[k + 1], float(angles[k + 1]))
+        assert min(gaps.values()) > -0.0015, (k, gaps)
         assert gaps["thumb"] < 0.002, (k, gaps)
 
 
