@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
+from ahmss.cli_options import Json
+
 __all__ = ["capture_app"]
 
 capture_app = typer.Typer(no_args_is_help=True, help="Record motions with a tracker, real or simulated.")
 
 Config = Annotated[Path, typer.Argument(help="The tracker's file; `ahmss capture config` writes a start.")]
 Body = Annotated[str, typer.Option(help="The human of humandb who shall perform it.")]
-Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
 Workspace = Annotated[
     Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with humandb/; left out: found.")
 ]

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from ahmss.cli_options import Json
+
 __all__ = ["motion_app"]
 
 motion_app = typer.Typer(no_args_is_help=True, help="Look at motion clips, change them, bring them in and out.")
@@ -18,7 +20,6 @@ Body = Annotated[str, typer.Option(metavar="NAME", help="A human of humandb; lef
 Workspace = Annotated[
     Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with humandb/; left out: found.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
 Out = Annotated[
     Path | None,
     typer.Option("-o", "--out", metavar="FILE", help="What to write; left out: named after the source, here."),

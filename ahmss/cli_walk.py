@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from ahmss.cli_options import Json
+
 __all__ = ["walk_app"]
 
 walk_app = typer.Typer(no_args_is_help=True, help="Make walk libraries, and look at what is in them.")
@@ -18,7 +20,6 @@ Library = Annotated[
 Workspace = Annotated[
     Path | None, typer.Option("--workspace", metavar="DIR", help="The folder with humandb/; left out: found.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
 Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there.")]
 
 

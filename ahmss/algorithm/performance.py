@@ -10,7 +10,8 @@ import numpy as np
 
 from ahmss.algorithm.messages import OBJECT, POSE, WAY, Start, size
 from ahmss.algorithm.pose import HumanPose, ObjectPose
-from ahmss.algorithm.task import HumanTask, ObjectTask, Rested
+from ahmss.algorithm.progress import Rested
+from ahmss.algorithm.task import HumanTask, ObjectTask
 from ahmss.body.array import Array
 from ahmss.errors import ShapeError
 

@@ -22,9 +22,10 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError, WorkspaceError
 from ahmss.main import which_hand
 from ahmss.main.afforded import Actor, Meant, meant, why_not
-from ahmss.main.command import Act, Value
+from ahmss.main.command import Act
 from ahmss.main.company import KIND
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
+from ahmss.main.details import PATIENCE, frames_of, patience_of, refuse_incomplete, refuse_unknown
 from ahmss.main.naming import find_object
 from ahmss.main.occupied import refuse_occupied
 from ahmss.main.order import Order
@@ -35,10 +36,6 @@ from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Database"]
 
-PATIENCE = "patience"
-"""What may be said of every action: seconds that one waits for what another has."""
-
-_PATIENCE, _MOST_PATIENCE = 10.0, 3600.0  # seconds: where nobody says, and at the most
 _THERE = 0.5  # metres: how far an object may be from the place by which it is named
 _REACHED = 0.15  # metres from an object within which a palm need not reach for it any more
 
@@ -91,7 +88,7 @@ class Database:
         mover = affordance.object_algorithm
         entry = self.workspace.algorithms.find(mover, kind.directory) if mover else None
         title = f"{name} {act.action}"
-        _refuse_unknown(title, act.parameters, affordance, human, entry)
+        refuse_unknown(title, act.parameters, affordance, human, entry)
         given = {**affordance.parameters, **dict(act.parameters)}
         if PATIENCE not in (human.parameters or {}):  # it is main's own
             given.pop(PATIENCE, None)
@@ -100,7 +97,7 @@ class Database:
             object_parameters = fill(entry.parameters, given) if entry else {}
         except ValueError as error:
             raise CommandError(f"{title}: parameter {error}") from None
-        _refuse_incomplete(title, act, affordance)
+        refuse_incomplete(title, act, affordance)
         check_files(self.workspace, kind, affordance.name)
         at = which_hand.places(kind, affordance, scene.pose(name))
         hand = which_hand.choose(act, affordance, at, actor, name)
@@ -110,8 +107,8 @@ class Database:
         if "goal_position" in affordance.asks and name in actor.holds:
             goal = self._put(goal, act, scene, actor, name, hand)
         return Order(
-            act, name, affordance, human, entry, _frames(act, affordance, human), act.after, hand, goal,
-            parameters, object_parameters, patience=_patience(title, act, parameters),
+            act, name, affordance, human, entry, frames_of(act, affordance, human), act.after, hand, goal,
+            parameters, object_parameters, patience=patience_of(title, act, parameters),
         )  # fmt: skip
 
     def orders(self, acts: Sequence[Act], scene: Scene, actor: Actor) -> list[Order]:
@@ -190,7 +187,7 @@ class Database:
         title = f"{whom} {affordance.name}"
         human = self.workspace.algorithms.find(affordance.human_algorithm, what.kind.directory)
         kind, takes = taking(self.workspace, scene.objects[thing])
-        _refuse_unknown(title, act.parameters, affordance, human, None)
+        refuse_unknown(title, act.parameters, affordance, human, None)
         mover = None
         if affordance.hold == RECEIVE and takes.object_algorithm:
             mover = self.workspace.algorithms.find(takes.object_algorithm, kind.directory)
@@ -203,7 +200,7 @@ class Database:
         goal = messages.Goal(object=describe_human(self.workspace, scene, whom))
         return Order(
             act, thing, msgspec.structs.replace(affordance, site=takes.site), human, mover,
-            _frames(act, affordance, human), act.after, hand, goal, parameters, object_parameters, whom,
+            frames_of(act, affordance, human), act.after, hand, goal, parameters, object_parameters, whom,
         )  # fmt: skip
 
     def _object_of(self, act: Act, scene: Scene) -> str:
@@ -271,46 +268,6 @@ class Database:
         elif len(act.goal_place) == 2:
             place = (*act.goal_place, height_of_what_is_under(self.workspace, scene, held, act.goal_place))
         return msgspec.structs.replace(goal, place=place)
-
-
-def _refuse_unknown(
-    title: str,
-    typed: tuple[tuple[str, Value], ...],
-    affordance: Affordance,
-    human: AlgorithmEntry,
-    mover: AlgorithmEntry | None,
-) -> None:
-    """Refuse a typed parameter that neither algorithm declares and the affordance does not name."""
-    declared = [entry.parameters for entry in (human, mover) if entry is not None]
-    if any(parameters is None for parameters in declared):
-        return
-    known = {PATIENCE, *affordance.parameters, *(name for parameters in declared for name in parameters or {})}
-    for name, _ in typed:
-        if name not in known:
-            raise CommandError(f'{title}: no parameter "{name}"; it takes: {", ".join(sorted(known)) or "none"}')
-
-
-def _refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:
-    """Refuse an act that leaves out what its action can't do without: a facing and a hand are found, a goal is not."""
-    if "goal_position" in affordance.asks and not (act.goal_place or act.goal_object):
-        raise CommandError(f"{title}: asks for a place; add `to X Y Z`, or `to` and an object")
-    if "goal_posture" in affordance.asks and not act.posture:
-        raise CommandError(f"{title}: asks for a posture; add `pose` and a motion clip")
-
-
-def _frames(act: Act, affordance: Affordance, human: AlgorithmEntry) -> int:
-    """How many frames: as many as was said, but no fewer than the motion takes; else the action's own number."""
-    if not act.frames:
-        return affordance.frames
-    return max(act.frames, math.ceil(human.fewest * affordance.frames))
-
-
-def _patience(title: str, act: Act, parameters: dict[str, Any]) -> float:
-    """Seconds that one waits for what another has."""
-    value = dict(act.parameters).get(PATIENCE, _PATIENCE) if PATIENCE not in parameters else _PATIENCE
-    if not isinstance(value, int | float) or not 0.0 <= value <= _MOST_PATIENCE:
-        raise CommandError(f'{title}: patience "{value}" is no number of seconds; allowed: 0 to {_MOST_PATIENCE:g}')
-    return float(value)
 
 
 def _side(hand: str) -> Any:

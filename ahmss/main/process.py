@@ -23,8 +23,8 @@ from ahmss.main.pace import Pace
 from ahmss.main.port import HumanModelPort
 from ahmss.main.script import Step
 from ahmss.main.stance import standing
+from ahmss.processes.deadlines import Deadlines
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Deadlines
 from ahmss.world.address import Address
 from ahmss.world.client import WorldClient
 from ahmss.world.keys import ClientKeys

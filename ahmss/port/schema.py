@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import msgspec
 
-from ahmss.errors import ProtocolError
+from ahmss.messagepack import Reading
 from ahmss.world.schema import StateValue
 
 __all__ = [
@@ -347,8 +347,8 @@ class Events(msgspec.Struct, frozen=True, tag="events"):
 Reply = Refused | Done | Self | Objects | Affordances | Accepted | Result | Compared | Events
 
 _encoder = msgspec.msgpack.Encoder()
-_request_decoder: msgspec.msgpack.Decoder[Request] = msgspec.msgpack.Decoder(Request)
-_reply_decoder: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
+_requests: Reading[Request] = Reading(Request, "human-model port: this is no request", "; see docs/human-model-port.md")
+_replies: Reading[Reply] = Reading(Reply, "human-model port: this is no answer of a main")
 
 
 def encode(message: Request | Reply) -> bytes:
@@ -358,15 +358,9 @@ def encode(message: Request | Reply) -> bytes:
 
 def decode_request(data: bytes) -> Request:
     """A human model's request; ProtocolError where the bytes are none."""
-    try:
-        return _request_decoder.decode(data)
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        raise ProtocolError(f"human-model port: this is no request: {error}; see docs/human-model-port.md") from error
+    return _requests(data)
 
 
 def decode_reply(data: bytes) -> Reply:
     """A main's answer; ProtocolError where the bytes are none."""
-    try:
-        return _reply_decoder.decode(data)
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        raise ProtocolError(f"human-model port: this is no answer of a main: {error}") from error
+    return _replies(data)

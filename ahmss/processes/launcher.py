@@ -16,8 +16,9 @@ import msgspec
 from ahmss.algorithm.messages import Start, encode_start
 from ahmss.errors import AhmssError
 from ahmss.processes.child import Child, Hired, Request, Spawned
+from ahmss.processes.deadlines import Deadlines
 from ahmss.processes.hire import Pool
-from ahmss.processes.process import AlgorithmProcess, Deadlines
+from ahmss.processes.process import AlgorithmProcess
 from ahmss.processes.stream import Pipes
 
 __all__ = ["Entry", "Launcher"]

@@ -3,82 +3,27 @@
 from __future__ import annotations
 
 import os
-import signal
 import struct
-import time
 from collections import deque
-from enum import Enum
-from typing import NamedTuple
 
-import msgspec
-import numpy as np
-
-from ahmss.algorithm.messages import HEADER, OBJECT, POSE, WAY, Kind, State, decode_ready, decode_state, encode, size
-from ahmss.body.array import Array
+from ahmss.algorithm.messages import HEADER, Kind, decode_ready, decode_state, encode
 from ahmss.errors import AlgorithmError, ProtocolError
-from ahmss.processes.check import check_human, check_object
-from ahmss.processes.child import Child, Hired, describe
+from ahmss.processes.answers import Answer, Arrived, Done, Message, Note, Phase
+from ahmss.processes.child import Child, describe
+from ahmss.processes.deadlines import Deadlines
+from ahmss.processes.ending import Ending
+from ahmss.processes.rows import OF_HUMAN, OF_OBJECT
 from ahmss.processes.silence import Silence
 from ahmss.processes.stream import Inbound, Log, Outbound
 
-__all__ = ["AlgorithmProcess", "Answer", "Arrived", "Deadlines", "Done", "Message", "Note", "Phase"]
+__all__ = ["AlgorithmProcess"]
 
 _FRAME_NUMBER = struct.Struct("<d")
-_POSE_BYTES = (8 * size(POSE), 8 * size(POSE + WAY))
-_OBJECT_BYTES = (8 * size(OBJECT),)
 _STOP, _REST, _CLOSED = encode(Kind.STOP), encode(Kind.REST), encode(Kind.CLOSED)
 _END_PATIENCE = 0.2  # seconds that an exit status may come after the end of the output
 _LOG_EACH = 8  # times that it is tended, to one look at its log
 _LONGEST_LINE = 4096  # bytes of a text that are read
 _MOST_NOTES = 20  # that one process may tell
-
-
-class Phase(Enum):
-    """Where a process stands."""
-
-    STARTING = "starting"  # nothing heard yet
-    RUNNING = "running"
-    DONE = "done"  # it said that its motion is over
-    FAILED = "failed"  # `failure` says why
-    STOPPED = "stopped"  # main asked it to end
-
-
-class Answer(NamedTuple):
-    """A frame that was asked for: k, and its row, checked, the caller's to keep.
-
-    A POSE row is (260,), with a way (272,); an OBJECT row (8,).
-    """
-
-    k: int
-    row: Array
-
-
-class Done(NamedTuple):
-    """The motion is over; `k` is its last frame."""
-
-    k: int
-
-
-class Note(NamedTuple):
-    """Something to tell the person that is no failure, in one line; each is told once."""
-
-    text: str
-
-
-class Arrived(NamedTuple):
-    """The motion is where it acts: what it moves is claimed from now on."""
-
-
-Message = Answer | State | Note | Arrived | Done
-
-
-class Deadlines(msgspec.Struct, frozen=True):
-    """How long a process may take, in seconds; until it answers, without those in which it has no processor."""
-
-    start: float = 10.0  # until its first word
-    first: float = 5.0  # from that to its first pose, for which it may have much to read and to compute
-    frame: float = 1.0  # until it answers a FRAME
-    stop: float = 0.5  # from STOP to SIGTERM, and from that to SIGKILL
 
 
 class AlgorithmProcess:
@@ -116,8 +61,7 @@ class AlgorithmProcess:
         self._tended = 0
         self._child = child
         self._deadlines = deadlines
-        self._check = check_human if human else check_object
-        self._kind, self._sizes = (Kind.POSE, _POSE_BYTES) if human else (Kind.OBJECT, _OBJECT_BYTES)
+        self._rows = OF_HUMAN if human else OF_OBJECT
         self._outbound = Outbound(child.pipes.input)
         self._inbound = Inbound(child.pipes.output)
         self._log = Log(child.pipes.error)
@@ -125,8 +69,7 @@ class AlgorithmProcess:
         self._notes: set[str] = set()
         self._silence = Silence()
         self._closing = False  # its output was seen to have ended
-        self._escalate: float | None = None  # when the next, harder means to end it is due
-        self._means: list[int] = [signal.SIGKILL, signal.SIGTERM]
+        self._end = Ending(child, self._outbound, deadlines.stop)
         self._outbound.send(start)
 
     @property
@@ -251,10 +194,7 @@ class AlgorithmProcess:
     def kill(self) -> None:
         """End it by force, now. `tend` still has to see it off."""
         self.stop()
-        self._means = []
-        self._child.signal(signal.SIGKILL)
-        if isinstance(self._child, Hired):
-            self._child.abandon()
+        self._end.kill()
 
     # --- reading ------------------------------------------------------------------------------------------------------
 
@@ -270,7 +210,7 @@ class AlgorithmProcess:
 
     def _take(self, kind: int, payload: memoryview) -> None:
         """One message from the algorithm."""
-        if kind == self._kind:
+        if kind == self._rows.kind:
             self._answer(payload)
         elif kind == Kind.STATE:
             self._inbox.append(decode_state(payload))
@@ -287,19 +227,13 @@ class AlgorithmProcess:
             said = _line(payload)
             self.fail(said or "it failed without saying why", said)
         else:
-            allowed = f"READY, {self._kind.name}, STATE, NOTE, ARRIVED, DONE and ERROR"
+            allowed = f"READY, {self._rows.kind.name}, STATE, NOTE, ARRIVED, DONE and ERROR"
             hint = "does it print to its standard output?"
             raise ProtocolError(f"it sent a message of kind {kind}; {allowed} are allowed ({hint})")
 
     def _answer(self, payload: memoryview) -> None:
         """A POSE or OBJECT."""
-        if len(payload) not in self._sizes:
-            allowed = " or ".join(map(str, self._sizes))
-            raise ProtocolError(f"its {self._kind.name} is {len(payload)} bytes long, not {allowed}")
-        if not self.pending:
-            raise ProtocolError("it sent a frame though none was asked for")
-        row = np.frombuffer(payload, "<f8").copy()
-        self._check(row, self.pending)
+        row = self._rows.read(payload, self.pending)
         if self.phase is Phase.STARTING:  # READY is a courtesy: a pose says as much
             self._greeted()
         self.last, self.pending = self.pending, 0
@@ -363,24 +297,13 @@ class AlgorithmProcess:
 
     def _finish(self, patience: float) -> None:
         """Let it end by itself for so many seconds, then by signals."""
-        self._escalate = time.monotonic() + patience
+        self._end.begin(patience)
         self._bury()
 
     def _bury(self) -> None:
         """Press it to end, and close all when it has."""
-        if self._escalate is None:
-            return
-        now = time.monotonic()
-        self._outbound.flush()
-        if self._outbound.empty and self._outbound.sink >= 0:
-            self._outbound.close()
-        if self._child.poll() is not None:
+        if self._end.press():
             self._close()
-        elif now >= self._escalate and self._means:
-            self._child.signal(self._means.pop())
-            self._escalate = now + self._deadlines.stop
-            if isinstance(self._child, Hired):
-                self._child.abandon()
 
     def _close(self) -> None:
         """Nothing of it is left."""

@@ -14,8 +14,9 @@ import pytest
 from ahmss.algorithm.messages import encode_frame
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
+from ahmss.processes.answers import Message
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import AlgorithmProcess, Message
+from ahmss.processes.process import AlgorithmProcess
 from ahmss.walking.catalogue import STRAIGHT
 from ahmss.walking.library import BODY, WalkClip
 

@@ -8,9 +8,9 @@ import pytest
 from algorithm_rig import HUMAN, ROOT, ROTATIONS
 
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord, SiteRecord, Start
+from ahmss.processes.deadlines import Deadlines
 from ahmss.processes.hire import Pool
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Deadlines
 
 
 @pytest.fixture

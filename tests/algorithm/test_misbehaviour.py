@@ -10,8 +10,9 @@ import pytest
 from algorithm_rig import Entry, failure, frame, gone, object_frame, peer, play, wait_for
 
 from ahmss.errors import AlgorithmError
+from ahmss.processes.answers import Answer, Note, Phase
+from ahmss.processes.deadlines import Deadlines
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Answer, Deadlines, Note, Phase
 from ahmss.processes.silence import threads_of
 
 SENTENCES = {

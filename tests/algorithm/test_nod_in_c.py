@@ -12,7 +12,7 @@ from algorithm_rig import ROTATIONS, Entry, play, wait_for
 
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, norm, to_rotation_vector
-from ahmss.processes.process import Answer, Done, Phase
+from ahmss.processes.answers import Answer, Done, Phase
 
 SOURCE = Path(__file__).parents[2] / "algorithms" / "nod"
 GOLDEN = Path(__file__).parent / "golden"

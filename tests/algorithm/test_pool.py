@@ -19,10 +19,11 @@ from algorithm_rig import PEERS, Entry, failure, frame, gone, play, wait_for, wa
 
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip, save
+from ahmss.processes.answers import Answer, Note, Phase
 from ahmss.processes.child import Request
+from ahmss.processes.deadlines import Deadlines
 from ahmss.processes.hire import Pool
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Answer, Deadlines, Note, Phase
 from ahmss.processes.runtime import Meeting, private_directory, sweep
 from ahmss.walking.catalogue import STRAIGHT
 from ahmss.walking.library import Library

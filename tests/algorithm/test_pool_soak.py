@@ -11,8 +11,8 @@ import pytest
 from algorithm_rig import Entry, frame, peer, wait_for
 
 from ahmss.errors import AlgorithmError
+from ahmss.processes.deadlines import Deadlines
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Deadlines
 
 HOWS = ("good", "crashes", "exits", "writes_garbage", "length_two", "floods_log", "closes_output", "leaves_child")
 

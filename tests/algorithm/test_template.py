@@ -12,7 +12,7 @@ from ahmss.algorithm.template import new_algorithm
 from ahmss.database.algorithms import AlgorithmFinder, NotBuilt
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
-from ahmss.processes.process import Answer
+from ahmss.processes.answers import Answer
 
 CHECKOUT = Path(__file__).parents[2]
 

@@ -10,8 +10,8 @@ import pytest
 from ahmss.algorithm import frames
 from ahmss.algorithm.messages import Start, encode_frame
 from ahmss.algorithm.pose import HumanPose, ObjectPose
+from ahmss.processes.answers import Answer
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Answer
 
 from .scene import CUP, DOOR, FLOOR, WORKSPACE, Body, program
 

@@ -21,8 +21,8 @@ from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import norm, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
+from ahmss.processes.answers import Answer
 from ahmss.processes.launcher import Launcher
-from ahmss.processes.process import Answer
 from ahmss.reaching.standing import Standing
 
 from .scene import FLOOR, WORKSPACE, Body, program, record

@@ -1,0 +1,55 @@
+"""What the algorithms of one human have to say: what went wrong, what the person is told, states that they change."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+from ahmss.algorithm.messages import State
+from ahmss.errors import AhmssError, AlgorithmError
+from ahmss.main.communication import Communication
+from ahmss.main.order import Order
+from ahmss.main.telling import told
+
+__all__ = ["Hearing", "in_words"]
+
+_LOG = logging.getLogger(__name__)
+
+
+class Hearing:
+    """Passes on what is heard; `failures` counts what went wrong.
+
+    Args:
+        say: is told in one line what went wrong.
+        note: is told in one line what an algorithm wants the person to know.
+    """
+
+    def __init__(self, communication: Communication, say: Callable[[str], None], note: Callable[[str], None]) -> None:
+        self._communication = communication
+        self.say, self.note = say, note
+        self.failures = 0
+
+    def fail(self, reason: str) -> None:
+        """Something went wrong."""
+        self.failures += 1
+        self.say(reason)
+
+    def tell(self, order: Order, text: str) -> None:
+        """An algorithm has something to say; what states its object has, as they are now."""
+        thing = self._communication.objects.get(order.object)
+        self.note(f"{order.title}: {told(text, thing.states if thing is not None else {})}")
+
+    def change_states(self, state: State) -> None:
+        """An algorithm has changed the states of an object."""
+        try:
+            record = self._communication.world.object_by_id(state.object)
+        except KeyError:
+            self.say(f"an algorithm changes the state of object {state.object}, which is not in the world")
+            return
+        self._communication.set_states(record.name, state.states)
+
+
+def in_words(error: AhmssError) -> str:
+    """Why an algorithm gave up, as it says itself where it does; which one it was, and when, `--debug` shows."""
+    _LOG.debug("%s", error)
+    return (error.said if isinstance(error, AlgorithmError) else "") or str(error)
