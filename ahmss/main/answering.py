@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.database.parameter import Parameter, within
 from ahmss.errors import AhmssError, CommandError
 from ahmss.main.afforded import meant, offered, why_not
@@ -26,7 +27,6 @@ from ahmss.main.ledger import OVER, Ledger
 from ahmss.main.naming import find_object
 from ahmss.main.people import records as people
 from ahmss.main.sight import WAITS, WORKS, Sight, eyes
-from ahmss.motion.edit import floor_frame
 from ahmss.port import schema
 from ahmss.port.grammar import line_of
 from ahmss.port.schema import Action, Affordances, Objects, Person, Reply, Request, Thing, Unavailable

@@ -8,10 +8,10 @@ import numpy as np
 
 from ahmss.algorithm.messages import Start
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.skeleton import Skeleton
 from ahmss.database.workspace import Workspace
 from ahmss.main.body_parts import Parts
-from ahmss.motion.edit import floor_frame
 from ahmss.world.schema import ObjectRecord
 from ahmss.world.view import World
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
-from ahmss.motion.edit import floor_frame
+from ahmss.body.floor_frame import floor_frame
 from ahmss.motion.way import WAY_WIDTH
 from ahmss.world.view import World
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from ahmss.errors import CommandError
 from ahmss.main.command import Human
-from ahmss.main.process import Report
+from ahmss.main.report import Report
 from ahmss.main.script import Script, read_script
 from ahmss.main.setting import make_room
 from ahmss.world.process import ServerProcess

@@ -6,7 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ahmss.database.workspace import Workspace
@@ -21,6 +21,7 @@ from ahmss.main.expected import programs
 from ahmss.main.layout import Layout
 from ahmss.main.pace import Pace
 from ahmss.main.port import HumanModelPort
+from ahmss.main.report import Report
 from ahmss.main.script import Step
 from ahmss.main.stance import standing
 from ahmss.processes.deadlines import Deadlines
@@ -29,7 +30,7 @@ from ahmss.world.address import Address
 from ahmss.world.client import WorldClient
 from ahmss.world.keys import ClientKeys
 
-__all__ = ["MainProcess", "Report", "Setup"]
+__all__ = ["MainProcess", "Setup"]
 
 _FAST_PATIENCE = 10.0  # seconds after which `--fast` gives up who makes no frame, its processor free
 _LOCKSTEP_PATIENCE = 0.5  # seconds that lockstep with a clock does
@@ -62,23 +63,6 @@ class Setup:
     keys: ClientKeys | None = None
     port: Address | None = None
     port_keys: Path | None = None
-
-
-@dataclass
-class Report:
-    """What a main has done: frames, those that began late, those that a motion missed, seconds, failures.
-
-    messages: what went wrong. notes: what else algorithms had to say.
-    """
-
-    human: str
-    frames: int = 0
-    late: int = 0
-    held: int = 0
-    seconds: float = 0.0
-    failures: int = 0
-    messages: list[str] = field(default_factory=list[str])
-    notes: list[str] = field(default_factory=list[str])
 
 
 class MainProcess:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from ahmss.errors import CommandError
 from ahmss.main.command import Add, Line
-from ahmss.main.process import MainProcess, Report, Setup
+from ahmss.main.process import MainProcess, Setup
+from ahmss.main.report import Report
 from ahmss.main.script import Step, read_script
 from ahmss.port.address import address_of
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ahmss.body import skeleton as body
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import conjugate, multiply, norm, rotate
 from ahmss.motion.clip import Clip
@@ -66,24 +67,6 @@ def mirrored(clip: Clip) -> Clip:
         clip, rotations=rotations, root=root, importance=clip.importance[:, [*swap, len(LINKS)]],
         contacts=clip.contacts[:, ::-1], targets=targets,
     )  # fmt: skip
-
-
-def floor_frame(rotations: Array, root: Array) -> tuple[Array, Array]:
-    """A human's floor frame: under the hips, x where they face.
-
-    Args:
-        rotations: (..., 43, 4) unit quaternions; only the hips' count.
-        root: (..., 3) metres.
-
-    Returns:
-        place (..., 3) on the floor and rotation (..., 4), world <- frame.
-    """
-    hips = rotations[..., 0, :]
-    w, x, y, z = hips.tolist() if hips.ndim == 1 else np.moveaxis(hips, -1, 0)
-    half = 0.5 * np.arctan2(w * x - y * z, -(x * z + w * y))  # of -z, by (4.8): the hips' z points back
-    turned = np.zeros(hips.shape)
-    turned[..., 0], turned[..., 3] = np.cos(half), np.sin(half)
-    return root * _LEVEL, turned
 
 
 def begun_at_origin(clip: Clip) -> Clip:

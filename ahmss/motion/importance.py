@@ -20,12 +20,12 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.kinematics import forward
 from ahmss.body.links import LINKS, PARENTS
 from ahmss.body.quaternion import conjugate, multiply, norm, rotate, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.clip import Clip
-from ahmss.motion.edit import floor_frame
 from ahmss.motion.smoothness import angular_steps
 
 __all__ = ["derive", "importance_of"]

@@ -8,11 +8,11 @@ import msgspec
 import numpy as np
 
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.links import LINKS
 from ahmss.body.quaternion import conjugate, multiply, to_rotation_vector
 from ahmss.motion.clip import Clip
 from ahmss.motion.contact import runs
-from ahmss.motion.edit import floor_frame
 
 __all__ = ["Info", "describe"]
 

@@ -8,13 +8,13 @@ import msgspec
 import numpy as np
 
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.kinematics import forward
 from ahmss.body.quaternion import multiply, rotate
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.alignment import TRACKED, BodyMotion
 from ahmss.motion.clip import Clip
 from ahmss.motion.contact import foot_points
-from ahmss.motion.edit import floor_frame
 from ahmss.motion.grounding import ground
 from ahmss.motion.retarget import retarget
 

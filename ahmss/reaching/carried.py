@@ -13,12 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.inverse import grips
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import align, conjugate, from_rotation_vector, multiply, rotate, slerp, to_rotation_vector
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
-from ahmss.motion.edit import floor_frame
 from ahmss.reaching.comfort import across, discomfort
 from ahmss.reaching.evading import Evading
 from ahmss.reaching.goal import Goal, palms_of

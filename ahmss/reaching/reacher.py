@@ -10,10 +10,10 @@ import numpy as np
 from ahmss.body.arm import Arm, Wrist, wrist_of
 from ahmss.body.arm_swing import shortest
 from ahmss.body.array import Array
+from ahmss.body.floor_frame import floor_frame
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
 from ahmss.body.skeleton import Skeleton
-from ahmss.motion.edit import floor_frame
 
 __all__ = ["SIDES", "Reacher", "heading_of", "seat"]
 
