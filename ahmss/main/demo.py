@@ -109,7 +109,7 @@ def _live_line(live: dict[str, Any]) -> str:
 
 def _draw(recording: Path, sheet: Path) -> None:
     """Draw the sheet; in a process of its own, for OpenGL is bound once."""
-    command = [sys.executable, "-m", "ahmss", "view", str(recording), "--size", _SHEET_SIZE, *_CAMERA]
+    command = [sys.executable, "-m", "ahmss", "view", str(recording), "--size", _SHEET_SIZE, "--camera", "cuts"]
     command += ["--sheet", str(sheet), "--every", str(_EVERY), "--json"]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=False)
     if done.returncode:

@@ -33,7 +33,7 @@ ASPECT = SIZE[0] / SIZE[1]
 
 def seen(studio: Studio, points: np.ndarray, view: View) -> float:
     """The share of the points (n, 3) that nothing hides and that lie in the picture."""
-    wanted = Interest(points, np.full(len(points), 0.1), np.array([1.0, 0.0, 0.0]))
+    wanted = Interest(points, np.full(len(points), 0.1), np.full(len(points), 0.14), np.array([1.0, 0.0, 0.0]))
     free = without_hidden(studio.stage, studio.painter, wanted, view, ASPECT, [wanted])
     place = project(free, view, SIZE)[:, :2] / SIZE
     return float(((place > 0.0) & (place < 1.0)).all(axis=1).sum() / len(points))

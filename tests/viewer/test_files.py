@@ -52,6 +52,21 @@ def test_the_film_shows_the_motion_and_the_red_box(tmp_path: Path) -> None:
     assert 0.002 < changed.mean() < 0.2, "the arm moved and the camera did not"
 
 
+def test_a_recording_is_filmed_with_cuts(tmp_path: Path) -> None:
+    recording = record(tmp_path / "a.ahmss", 130)
+    options = ViewOptions(
+        replay=recording,
+        record=tmp_path / "a.mp4",
+        sheet=tmp_path / "a.png",
+        size=(160, 120),
+        camera="cuts",
+        fine=False,
+    )
+    assert view(options).pictures == 130
+    film, _ = decode(tmp_path / "a.mp4", (160, 120))
+    assert (np.abs(film - film[:, :1, :1]).max(axis=3) > 60).mean(axis=(1, 2)).min() > 0.02, "somebody is in all of it"
+
+
 def test_a_snapshot_is_of_its_time(tmp_path: Path) -> None:
     recording = record(tmp_path / "a.ahmss", 60)
     pictures = []

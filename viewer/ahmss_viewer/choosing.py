@@ -6,23 +6,20 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.body.array import Array
-from ahmss_viewer.camera import View, project
+from ahmss_viewer.camera import View
 from ahmss_viewer.framing import Interest, fit
+from ahmss_viewer.looking import Looking
 from ahmss_viewer.painter import Painter
 from ahmss_viewer.stage import Stage
-from ahmss_viewer.target import Target
 
 __all__ = ["best_view", "clear_preset", "preset", "without_hidden"]
 
 # Degrees from straight in front; who walks about faces all ways in the end.
 _SIDES = (40, -40, 60, -60, 22, -22, 75, -75, 90, -90, 105, -105, 120, -120, 150, -150, 180)
 _HEIGHTS = (8, 14, 24, 40)
-_SMALL = 96  # pixels high
-_NEAR_COST, _SIDE_COST, _HEIGHT_COST, _FAR_COST = 0.8, 0.35, 0.1, 0.15
-_INSIDE = 0.14  # metres: a joint lies about so deep under the skin
+_SIDE_COST, _HEIGHT_COST, _FAR_COST = 0.35, 0.1, 0.15
 _ASIDE = 0.42  # metres: what is so far before a joint is not the human's own other side
 _ALWAYS = 0.5  # what weighs more is in the picture whether it is hidden or not
 _LENS = float(np.radians(28.0))  # from farther away a table in front hides less
@@ -72,8 +69,7 @@ def _turned(name: str, wanted: Interest, aspect: float, turn: float, up: float) 
 
 def _upper(wanted: Interest) -> Interest:
     """Heads, arms, hands and what they hold."""
-    most = wanted.weights > _ALWAYS
-    return Interest(wanted.points[most], wanted.weights[most], wanted.facing)
+    return wanted.only(wanted.weights > _ALWAYS)
 
 
 def best_view(
@@ -115,26 +111,23 @@ def _least_hidden(
     costs: Sequence[float],
     moments: Iterable[Interest],
     aspect: float,
-    before: float = _INSIDE,
+    before: float | None = None,
 ) -> _Choice:
     """The view with the lowest sum of its cost and, over the moments' mean, of what is wrong with it.
 
-    A point is hidden by what is at least `before` metres before it.
+    A point is hidden by what is at least `before` metres before it; None: as deep as it lies inside.
     """
-    target = Target(round(_SMALL * aspect), _SMALL)
+    looking = Looking(stage, painter, aspect, before)
     faults = np.zeros(len(views))
     seen: list[list[Array]] = [[np.zeros((0, 3))] for _ in views]
     count = 0
     for moment in moments:
         count += 1
         for i, view in enumerate(views):
-            painter.draw_depth(stage, view, target)
-            depth = target.read_depth()
-            hidden = _hidden(moment.points, view, target, depth, before)
+            hidden, fault = looking.look(view, moment)
             seen[i].append(moment.points[~hidden])
-            near = _metres(view, target, depth) < 0.45 * view.distance
-            faults[i] += np.average(hidden, weights=moment.weights) + _NEAR_COST * near.mean()
-    target.delete()
+            faults[i] += fault
+    looking.close()
     best = int(np.argmin(np.array(costs) + faults / max(count, 1)))
     return _Choice(views[best], np.concatenate(seen[best]))
 
@@ -145,17 +138,3 @@ def without_hidden(
     """What is to be seen of `wanted`, points (n, 3): heads, arms and hands, and of the rest what nothing hides."""
     choice = _least_hidden(stage, painter, [view], [0.0], moments, aspect)
     return np.concatenate([wanted.points[wanted.weights > _ALWAYS], choice.seen])
-
-
-def _metres(view: View, target: Target, depth: NDArray[np.float32]) -> Array:
-    """How far away each pixel is."""
-    P = view.projection(target.drawn[0] / target.drawn[1])
-    return P[2, 3] / (2.0 * depth.astype(float) - 1.0 + P[2, 2])
-
-
-def _hidden(points: Array, view: View, target: Target, depth: NDArray[np.float32], before: float) -> NDArray[np.bool_]:
-    """Which of the points (n, 3) lie so many metres behind what was drawn."""
-    seen = project(points, view, target.drawn)
-    column = np.clip(seen[:, 0].astype(int), 0, target.drawn[0] - 1)
-    row = np.clip(seen[:, 1].astype(int), 0, target.drawn[1] - 1)
-    return _metres(view, target, depth)[row, column] < seen[:, 2] - before

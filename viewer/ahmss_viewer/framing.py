@@ -6,32 +6,49 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX, LINKS
 from ahmss_viewer.camera import View, project
 from ahmss_viewer.stage import Actor, Stage, Thing
 
-__all__ = ["Follower", "Interest", "fit", "inner_points", "interest", "shape_of"]
+__all__ = ["Follower", "Interest", "fit", "inner_points", "interest", "shape_of", "work"]
 
 _REACH, _LARGE = 0.75, 1.8  # what is so near to a hand counts, unless it is so large
+_INSIDE, _HAND_INSIDE = 0.14, 0.06  # metres: a joint lies about so deep under the skin, one of a hand
 _TOUCHED_WEIGHT = 3.0  # of an object that is acted on: as much as a face and two hands, or it goes out of sight
 _HANDS = (INDEX["right_hand"], INDEX["left_hand"])
+_FINGERS = ("hand", "thumb", "index", "middle", "ring", "little")
+_PALMS = [np.array([INDEX[name] for name in LINKS if name.startswith(side) and any(part in name for part in _FINGERS)])
+          for side in ("right", "left")]  # fmt: skip
+_ROOM = 3.0  # metres: what is larger is what things are in, or on
+_AT_WORK, _AT_WORK_WEIGHT = 0.05, 6.0  # metres from a hand to what it works at, and how much more that hand counts
 
 
 @dataclass(frozen=True)
 class Interest:
-    """What should be in the picture: points (n, 3) in the world, how much each matters (n,), where the first human
-    faces (3,)."""
+    """What should be in the picture: points (n, 3) in the world, how much each matters (n,), how deep it lies under
+    what is drawn of it (n,) in metres, and where the first human faces (3,)."""
 
     points: Array
     weights: Array
+    inside: Array
     facing: Array
+
+    def only(self, which: NDArray[np.bool_]) -> Interest:
+        """Some of the points, by a mask (n,)."""
+        return Interest(self.points[which], self.weights[which], self.inside[which], self.facing)
 
     def joined(self, other: Interest) -> Interest:
         """Both."""
-        points, weights = np.concatenate([self.points, other.points]), np.concatenate([self.weights, other.weights])
-        return Interest(points, weights, self.facing)
+        points, weights, inside = (
+            np.concatenate(pair)
+            for pair in zip(
+                (self.points, self.weights, self.inside), (other.points, other.weights, other.inside), strict=True
+            )
+        )
+        return Interest(points, weights, inside, self.facing)
 
 
 def interest(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Interest | None:
@@ -44,7 +61,7 @@ def interest(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Int
         if not stage.things:
             return None
         points = np.array([thing.centre() for thing in stage.things.values()])
-        return Interest(points, np.ones(len(points)), np.array([1.0, 0.0, 0.0]))
+        return Interest(points, np.ones(len(points)), np.full(len(points), _INSIDE), np.array([1.0, 0.0, 0.0]))
     points = [_body(actor) for actor in actors]
     weights = [_BODY_WEIGHTS for _ in actors]
     hands = np.concatenate([actor.places[list(_HANDS)] for actor in actors])
@@ -56,7 +73,36 @@ def interest(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Int
         elif float(np.ptp(thing.box, axis=0).max()) < _LARGE and np.linalg.norm(hands - centre, axis=1).min() < _REACH:
             points.append(centre[None])
             weights.append(np.full(1, 0.5))
-    return Interest(np.concatenate(points), np.concatenate(weights), actors[0].facing)
+    bodies = len(actors) * [_BODY_INSIDE]
+    things = sum(len(some) for some in points[len(actors) :])
+    inside = np.concatenate([*bodies, np.full(things, _INSIDE)])
+    return Interest(np.concatenate(points), np.concatenate(weights), inside, actors[0].facing)
+
+
+def work(stage: Stage, name: str = "", touched: Collection[int] = ()) -> Interest | None:
+    """`interest` in what hands do now: of what is touched only what is at hand, and hands at something most.
+
+    None: nobody is there.
+    """
+    actors = [actor for actor in stage.actors.values() if not name or actor.name == name]
+    if not actors:
+        return None
+    things = [thing for thing in stage.things.values() if float(np.ptp(thing.box, axis=0).max()) < _ROOM]
+    gaps = np.array([[[_gap(t, actor.places[palm]) for t in things] for palm in _PALMS] for actor in actors])
+    near = {things[i].id for i in np.flatnonzero((gaps < _REACH).any(axis=(0, 1)))}
+    seen = interest(stage, name, near.intersection(touched))
+    assert seen is not None
+    weights = seen.weights.copy()
+    for i, k in zip(*np.nonzero((gaps < _AT_WORK).any(axis=2)), strict=True):
+        weights[i * len(_BODY_WEIGHTS) + _PALMS[k]] *= _AT_WORK_WEIGHT
+    return replace(seen, weights=weights)
+
+
+def _gap(thing: Thing, points: Array) -> float:
+    """Metres from the nearest of some points (n, 3) to an object's box; 0 within."""
+    T = thing.matrix
+    local = (points - T[:3, 3]) @ T[:3, :3]
+    return float(np.linalg.norm(local - np.clip(local, thing.box[0], thing.box[1]), axis=1).min())
 
 
 def inner_points(thing: Thing) -> Array:
@@ -76,6 +122,8 @@ def _body_weights() -> Array:
 
 
 _BODY_WEIGHTS = _body_weights()
+_BODY_INSIDE = np.full(len(_BODY_WEIGHTS), _INSIDE)
+_BODY_INSIDE[np.concatenate(_PALMS)] = _HAND_INSIDE
 
 
 def _body(actor: Actor) -> Array:

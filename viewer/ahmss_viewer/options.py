@@ -11,9 +11,10 @@ import numpy as np
 
 from ahmss.errors import CommandError
 
-__all__ = ["CAMERAS", "ViewOptions", "ViewReport"]
+__all__ = ["CAMERAS", "CUTS", "ViewOptions", "ViewReport"]
 
-CAMERAS = ("auto", "front", "back", "left", "right", "top", "close")
+CUTS = "cuts"
+CAMERAS = ("auto", CUTS, "front", "back", "left", "right", "top", "close")
 _LARGEST = 4096
 
 
@@ -32,7 +33,8 @@ class ViewOptions:
         every: frames of the world between two tiles of the sheet.
         size: width and height in pixels.
         request: ask and wait for each world in place of following what the server publishes.
-        camera: one of CAMERAS, seen from the first human; "auto" finds a view that shows what happens.
+        camera: one of CAMERAS, seen from the first human; "auto" finds a view that shows what happens,
+            "cuts" one for each part of a recording, in files only.
         position, look_at: the camera's place, and what it looks at, metres; each may stand alone.
         follow: the name of a human to keep in the middle.
         eyes: the name of a human whose eyes are the camera; at `look_at`, or where its head faces. Not in a window.
@@ -70,6 +72,10 @@ class ViewOptions:
         """Check what a person typed. CommandError: it can't be."""
         if self.camera not in CAMERAS:
             raise CommandError(f'no camera "{self.camera}"; there is: {", ".join(CAMERAS)}')
+        if self.camera == CUTS and not (self.replay and self.draws_files):
+            raise CommandError("the camera cuts in films, sheets and snapshots of recordings only; leave it out")
+        if self.camera == CUTS and (self.position or self.look_at or self.eyes):
+            raise CommandError("a camera that cuts chooses its places; leave out --position, --look-at and --eyes")
         if not all(16 <= side <= _LARGEST for side in self.size):
             raise CommandError(f"a picture of {self.size[0]}x{self.size[1]} can't be drawn; each side 16 to {_LARGEST}")
         if self.every < 0 or self.rate < 0.0:

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ahmss.errors import CommandError, DataError
 from ahmss_viewer.aim import Aim
 from ahmss_viewer.camera import View
 from ahmss_viewer.choosing import without_hidden
-from ahmss_viewer.framing import Interest, fit, interest, shape_of
+from ahmss_viewer.cuts import Shot, shots
+from ahmss_viewer.framing import Interest, fit, interest, shape_of, work
+from ahmss_viewer.looking import Looking
 from ahmss_viewer.mirror import Mirror
 from ahmss_viewer.movie import Movie, check_writable
-from ahmss_viewer.options import ViewOptions, ViewReport
+from ahmss_viewer.options import CUTS, ViewOptions, ViewReport
 from ahmss_viewer.sheet import Sheet, save_picture
 from ahmss_viewer.source import Replay
 from ahmss_viewer.studio import Studio
@@ -28,6 +29,7 @@ _TILE = 340  # the width of a tile of 16:9; one of another shape has its area
 _TILE_SHAPES = (0.75, 16 / 9)  # of what width over height a tile may be
 _TILES = 24
 _GLANCES, _MOMENTS = 40, 16  # ticks that are looked at to find the view
+_PRESSED = 6  # ticks for which a button is pressed at least
 
 Progress = Callable[[int, int], None]
 
@@ -66,14 +68,18 @@ class _Run:
         self.tile = (_TILE, round(_TILE * self.size[1] / self.size[0]))
         self.tile_view: View | None = None
         self.touched: set[int] = set()
+        self.shots: list[Shot] = []
 
     def run(self) -> ViewReport:
         """The view first, then the pictures."""
         wanted = self._survey()
-        self._show(0)
-        view = self.aim.begin(self.studio.stage, self.studio.painter, wanted, self._moments())
-        if self.options.sheet is not None:
-            self._choose_tile(view, wanted)
+        if self.options.camera == CUTS:
+            self.shots = self._cut()
+        else:
+            self._show(0)
+            view = self.aim.begin(self.studio.stage, self.studio.painter, wanted, self._moments())
+            if self.options.sheet is not None:
+                self._choose_tile(view, wanted)
         start = time.perf_counter()
         if self.options.record is not None or self.options.sheet is not None:
             self._film()
@@ -89,7 +95,7 @@ class _Run:
         found: Interest | None = None
         peopled = False
         ticks = np.unique(np.linspace(0, self.last, _GLANCES).astype(int))
-        self.touched = self._find_touched(ticks)
+        self.touched = self._find_touched(range(0, self.last + 1, _PRESSED))
         for tick in ticks:
             self._show(int(tick))
             now = interest(self.studio.stage, self.options.follow, self.touched)
@@ -103,12 +109,12 @@ class _Run:
             raise CommandError(f'no human "{self.options.follow}" to follow in {self.source.path}; there is: {there}')
         return found
 
-    def _find_touched(self, ticks: NDArray[np.intp]) -> set[int]:
+    def _find_touched(self, ticks: Iterable[int]) -> set[int]:
         """The objects that move between these ticks: those that a human acts on."""
         first: dict[int, bytes] = {}
         touched: set[int] = set()
         for tick in ticks:
-            for number, pose in zip(*self.source.show(int(tick)).poses(), strict=True):
+            for number, pose in zip(*self.source.show(tick).poses(), strict=True):
                 if first.setdefault(int(number), pose.tobytes()) != pose.tobytes():
                     touched.add(int(number))
         return touched
@@ -146,8 +152,7 @@ class _Run:
                 movie = stack.enter_context(Movie(options.record, self.size, options.rate or rate))
             step = 1 if movie is not None else every
             for tick in range(0, self.last + 1, step):
-                self._show(tick)
-                view = self.aim.step(self.studio.stage, step / rate, whole=True)
+                view = self._view(tick, step / rate)
                 if movie is not None:
                     begin = time.perf_counter()
                     picture = self.studio.picture(view, self.size, names=options.names)
@@ -169,11 +174,31 @@ class _Run:
     def _snapshot(self, path: Path) -> None:
         """One picture at the time asked for, else at the end."""
         at = self.last if self.options.at is None else round(self.options.at * self.source.rate)
-        self._show(int(np.clip(at, 0, self.last)))
-        view = self.aim.step(self.studio.stage, 10.0, whole=True)
+        view = self._view(int(np.clip(at, 0, self.last)), 10.0)
         save_picture(self.studio.picture(view, self.size, names=self.options.names, best=True), path)
         self.report.pictures += 1
         self.report.files.append(str(path))
+
+    def _cut(self) -> list[Shot]:
+        """The shots of the whole recording."""
+        aspect = self.size[0] / self.size[1]
+        look = Looking(self.studio.stage, self.studio.painter, aspect)
+        found = shots(look, self._at_hand, self.last + 1, self.source.rate, aspect)
+        look.close()
+        return found
+
+    def _at_hand(self, tick: int) -> Interest | None:
+        """What hands do at a tick, which is on the stage then."""
+        self._show(tick)
+        return work(self.studio.stage, self.options.follow, self.touched)
+
+    def _view(self, tick: int, seconds: float) -> View:
+        """Bring the stage to a tick, so many seconds after the one before; from where it is seen."""
+        self._show(tick)
+        for shot in self.shots:
+            if shot.first <= tick < shot.end:
+                self.aim.view = shot.view(tick)
+        return self.aim.step(self.studio.stage, seconds, whole=True)
 
     def _show(self, tick: int) -> None:
         self.mirror.show(self.source.show(tick))
