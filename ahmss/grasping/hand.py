@@ -170,6 +170,13 @@ class Hand:
         own = rotations[..., np.array(links), :]
         return 2.0 * np.arctan2(self.towards * own[..., 3], own[..., 0])
 
+    def thumb(self, rotations: Array) -> Thumb:
+        """The thumb of rotations (..., 14, 4), as `rotations` turns it."""
+        along = rotate(rotations[..., 0, :], X)
+        rise = np.arctan2(-along[..., 2], self.towards * along[..., 1])
+        bend = 2.0 * np.arccos(np.clip(np.abs(rotations[..., 1, 0]), 0.0, 1.0))
+        return Thumb(np.arccos(np.clip(along[..., 0], -1.0, 1.0)), rise, bend)
+
     def rotations(self, flexion: Array, thumb: Thumb) -> Array:
         """Rotations (14, 4) in the order of links, for flexions (4, 3) and one thumb."""
         first = fingers(self.side)[0]

@@ -14,7 +14,7 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import FINGERS, Hand, Thumb
 from ahmss.motion.steps import Steps
 
-__all__ = ["DEEP", "HOLDS", "Cost", "Holding", "Trial", "best", "opener"]
+__all__ = ["DEEP", "HOLDS", "Cost", "Holding", "Trial", "best", "opener", "widened"]
 
 Cost = Callable[[Array], tuple[Array, NDArray[np.bool_]]]  # of palms (n, 7): what they cost the arm, and which it takes
 HOLDS = -0.4  # cosine between the thumb's normal and a finger's, below which what is between them is held
@@ -159,9 +159,13 @@ def _best(hand: Hand, field: Field, trial: Trial) -> Steps[Holding]:
 
 def opener(hand: Hand, holding: Holding) -> Array:
     """The fingers (14, 4) before they close into a grip: further apart, so that what is held comes between them."""
-    flexion = OPENED * holding.flexion - OPENS_BY
-    thumb = Thumb(np.minimum(holding.thumb.out + THUMB_OPENS_BY, THUMB_MOST), holding.thumb.rise, THUMB_SLACK)
-    return hand.rotations(flexion, thumb)
+    return widened(hand, holding.flexion, holding.thumb)
+
+
+def widened(hand: Hand, flexion: Array, thumb: Thumb) -> Array:
+    """The same of a hand that is bent so (4, 3) and has its thumb so: as it was before it closed."""
+    out = np.minimum(thumb.out + THUMB_OPENS_BY, THUMB_MOST)
+    return hand.rotations(OPENED * flexion - OPENS_BY, Thumb(out, thumb.rise, THUMB_SLACK))
 
 
 def _over_edge(hand: Hand, field: Field, hands: Hands, thumb: Thumb, axis: Array) -> Array:

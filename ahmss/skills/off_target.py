@@ -11,8 +11,9 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import grips, solve
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan
+from ahmss.reaching.reacher import seat
 
-__all__ = ["off_target"]
+__all__ = ["off_target", "too_short"]
 
 
 def off_target(
@@ -30,3 +31,15 @@ def off_target(
     touches = Transform.of(plan.palm).inverse().apply(place)
     off = got.apply(touches) - Transform.of(palms[frames]).apply(touches)
     return plan.short + float(np.linalg.norm(off, axis=-1).max(initial=0.0))
+
+
+def too_short(task: HumanTask, plan: Plan, made: Performed, palms: Array, at: NDArray[np.bool_]) -> float:
+    """Metres by which the arm is too short for its palm, however it turns that; at the least what the plan says.
+
+    Args:
+        plan, made, palms, at: as of `off_target`.
+    """
+    frames, reacher = np.flatnonzero(at) - len(palms), plan.reacher
+    shoulder = reacher.shoulder(seat(task.human, made.rotations[frames], made.root[frames]))
+    far = np.linalg.norm(reacher.hand(palms[frames])[0] - shoulder, axis=-1)
+    return max(plan.short, plan.short + float(far.max(initial=0.0)) - reacher.length)

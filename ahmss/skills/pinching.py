@@ -33,7 +33,8 @@ from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.elsewhere import or_elsewhere
 from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.off_target import too_short
+from ahmss.skills.out_of_reach import EXACT, refuse_short
 from ahmss.skills.part_ways import (
     Approach,
     Grip,
@@ -113,7 +114,6 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
         _refuse(task, best)
-    tell_missed(task, best.plan)
     yield at_ease(task, np.concatenate([rows_made(task, best.made), best.back(task)]))
 
 
@@ -170,18 +170,20 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
         raise AlgorithmError(short)
     if touching := _touching(task, tried):
         raise touching
+    refuse_short(task, tried.plan, tried.short)
 
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
     """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
 
-    on_part: how much of them while the hand is on the part. way: that of its hand alone. perform: makes a plan's
-    frames anew.
+    on_part: how much of them while the hand is on the part. short: by how many the arm is too short for the part. way:
+    that of its hand alone. perform: makes a plan's frames anew.
     """
 
     flaw: float
     on_part: float
+    short: float
     way: Approach
     plan: Plan
     made: Performed
@@ -239,6 +241,10 @@ def _tried(
         either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
         return max(min(either) - _MISSED, 0.0) + (_REFUSED if _short(task, part, plan, made) else 0.0)
 
+    def short(plan: Plan, made: Performed) -> float:
+        then, closed = _moved(task, part, plan.palm)
+        return too_short(task, plan, made, then, closed == 1.0)
+
     def touched(plan: Plan, rotations: Array, root: Array) -> float:
         if not boxes:
             return 0.0
@@ -247,7 +253,9 @@ def _tried(
 
     def flaw(plan: Plan, made: Performed) -> float:
         side, shown = plan.reacher.side, _shown(made, _back(task, part, plan, made))
-        return missed(plan, made) + crowding(task, made, side) + rest.depth(side, *shown) + touched(plan, *shown)
+        far = _REFUSED if short(plan, made) > EXACT else 0.0
+        amiss = far + missed(plan, made) + crowding(task, made, side)
+        return amiss + rest.depth(side, *shown) + touched(plan, *shown)
 
     def on_part(plan: Plan, made: Performed) -> float:
         on = np.flatnonzero(_moved(task, part, plan.palm)[1] > 0.0)
@@ -255,7 +263,8 @@ def _tried(
         return missed(plan, made) + touched(plan, made.rotations[on], made.root[on])
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
-    return _Tried(flaw(plan, made), on_part(plan, made), way.by(plan.reacher.side), plan, made, perform)
+    amiss = flaw(plan, made), on_part(plan, made), short(plan, made)
+    return _Tried(*amiss, way.by(plan.reacher.side), plan, made, perform)
 
 
 def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:

@@ -21,6 +21,8 @@ from ahmss.body.array import Array
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import widened
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
@@ -30,6 +32,7 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
+from ahmss.skills.around import HALF, half_closed
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
@@ -162,10 +165,10 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     palm = np.concatenate([plan.palm[:3] - OVER * UP, plan.palm[3:]])
     links = list(fingers(task.hand))
     shape = task.start.rotations[links]
-    then, open_by = _then(task, palm)
+    then, open_by, off = _then(task, palm)
     made = yield from _past_own_arm(task, reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
-    made.rotations[length:, links] = slerp(shape, opened(task.hand, shape[:2]), open_by[:, None])
+    made.rotations[length:, links] = _opening(task, shape, open_by, off)
     down = length + int(np.flatnonzero(open_by <= 0.0)[-1])
     there = made.targets[down, plan.reacher.row]
     off = float(np.linalg.norm(there[:3] - palm[:3]))
@@ -248,8 +251,19 @@ def _prisms(task: HumanTask) -> list[Prism]:
     return prisms_of(task, _home(task))
 
 
-def _then(task: HumanTask, palm: Array) -> tuple[Array, Array]:
-    """Palms (n, 7) from over the place down to it, and away while the hand is open; how far it is open (n)."""
+def _opening(task: HumanTask, shape: Array, open_by: Array, off: Array) -> Array:
+    """The fingers (n, 14, 4) of a hand that lets go: as wide as it came to it, the other way round, and then at rest.
+
+    Args:
+        shape: (14, 4) as they hold. open_by: (n,) how far they are open, 0 to 1. off: (n,) metres that the hand is off.
+    """
+    hand = Hand.of(task.human, task.hand)
+    wide = slerp(shape, widened(hand, hand.flexion(shape), hand.thumb(shape)), open_by[:, None])
+    return slerp(wide, opened(task.hand, shape[:2]), minimum_jerk(off / BACK)[:, None])
+
+
+def _then(task: HumanTask, palm: Array) -> tuple[Array, Array, Array]:
+    """Palms (n, 7) from over the place down to it, and away; how far the hand is open (n); metres that it is off."""
     seconds = (SINKS, RESTS, OPENS, LEAVES) if task.parameter("let_go", True) else (SINKS, RESTS, 0.0, 0.0)
     counts = [round(each * task.rate) for each in seconds]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
@@ -258,7 +272,8 @@ def _then(task: HumanTask, palm: Array) -> tuple[Array, Array]:
     away = np.concatenate([zero[0], zero[1], zero[2], share[3]])
     palms = np.repeat(palm[None], len(over), axis=0)
     palms[:, :3] += OVER * over[:, None] * UP + BACK * away[:, None] * _back(task, palm)
-    return palms, np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0])
+    open_by = np.concatenate([zero[0], zero[1], (1.0 - HALF) * share[2], 1.0 - half_closed(BACK * share[3])])
+    return palms, open_by, BACK * away
 
 
 def _back(task: HumanTask, palm: Array) -> Array:

@@ -33,6 +33,7 @@ from ahmss.reaching.leaning import Stretch, looking
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
+from ahmss.skills.around import half_closed
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.meanwhile import waited
 from ahmss.skills.nearer import gone_nearer, short_of
@@ -175,14 +176,18 @@ def _above(task: HumanTask, grips: dict[str, Taking]) -> dict[str, Taking]:
 
 def _closing(task: HumanTask, grip: Transform, into: Array) -> tuple[Array, Array]:
     """Palms (n, 7) from before the grip to it, while the hand closes, and up; how far the fingers are closed (n)."""
+    assert task.object is not None
     counts = [round(seconds * task.rate) for seconds in (COMES, CLOSES, HOLDS, RISES)]
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
     back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3]])
+    begun = (
+        zero[0] if task.object.sites[task.message.site].grip == "precision" else half_closed(BEFORE * back[: counts[0]])
+    )
     lifted = np.concatenate([zero[0], zero[1], zero[2], share[3]])
     palms = np.repeat(grip.row()[None], len(back), axis=0)
     palms[:, :3] += LIFTS * lifted[:, None] * UP - BEFORE * back[:, None] * into
-    return palms, np.concatenate([zero[0], share[1], zero[2] + 1.0, zero[3] + 1.0])
+    return palms, np.concatenate([begun, begun[-1] + (1.0 - begun[-1]) * share[1], zero[2] + 1.0, zero[3] + 1.0])
 
 
 def _brought(task: HumanTask, made: Performed, side: str, held: Transform) -> Iterator[Array]:

@@ -77,6 +77,18 @@ def test_the_knob_goes_with_the_hand_to_where_it_was_said(name: str, slope: floa
     assert len(going) > 10
 
 
+def test_a_knob_that_the_arm_is_too_short_for_is_stepped_to_or_refused() -> None:
+    """From before it the arm is long enough: thumb and fingers went along 7 cm off the knob."""
+    it, middle = control("lever", 60.0), np.array([0.046, 0.0, -0.05])
+    far, alone = Body("aiko", -0.44, 0.1, 0.0), Layout((it,))
+    with pytest.raises(AlgorithmError, match=r"hand stops \d\d mm short of it, .* first$"):
+        used(far, alone.start(it, far, "slide", motion=None, parameters={"level": 1.0}), "slide")
+    done = used(far, alone.start(it, far, "slide", parameters={"level": 1.0}), "slide")
+    pinch = it.frame.inverse().apply(0.5 * (done.tip("thumb") + done.tip("index")))
+    for level in (0.0, 1.0):
+        assert np.linalg.norm(pinch - middle - level * np.array([0.0, 0.0, 0.1]), axis=1).min() < 0.03
+
+
 @pytest.mark.parametrize(
     ("kind", "action", "state", "begins", "ends", "position"),
     [

@@ -10,12 +10,14 @@ import pytest
 
 from ahmss.algorithm import HumanPose, ObjectPose, Transform, frames
 from ahmss.algorithm.messages import Goal, ObjectRecord, PoseRecord, Start
+from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
 from ahmss.body.fingertip import pad
 from ahmss.body.inverse import grips
-from ahmss.body.links import INDEX
+from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
 from ahmss.motion.smoothness import worst_pop
 
 from .devices import SIDES, at, before, begun, device, mover, posed
@@ -70,6 +72,22 @@ class Scene:
         return np.array(places)
 
 
+def in_the_telephone(scene: Scene, shown: list[HumanPose], followed: list[ObjectPose]) -> float:
+    """Metres by which fingers are in the telephone or in its handset at the most."""
+    hand, row, links = Hand.of(scene.body.skeleton, scene.side), SIDES.index(scene.side), list(fingers(scene.side))
+    under, bar = (WorldObject.of(device(kind, at(0.0, 0.0, 0.0), shaped=True)) for kind in ("telephone", "handset"))
+    assert under.shape is not None
+    assert bar.shape is not None
+    fields = under.shape.field(CRADLE), bar.shape.field(np.array(bar.sites["bar"].position))
+    deepest = -np.inf
+    for pose, thing in zip(shown, followed, strict=True):
+        palm = Transform.of(grips(scene.body.skeleton, pose.rotations, pose.root)[row])
+        for field, frame in zip(fields, (scene.base, Transform(thing.place, thing.rotation)), strict=True):
+            seen = frame.inverse().then(palm).row()[None]
+            deepest = max(deepest, hand.depth(field, seen, pose.rotations[None, links]))
+    return deepest
+
+
 def head(scene: Scene, pose: HumanPose) -> Transform:
     places, turned = (of[0] for of in posed(scene.body, [pose]))
     return Transform(places[INDEX["head"]], turned[INDEX["head"]])
@@ -93,9 +111,11 @@ def test_a_handset_comes_to_ear_and_mouth_and_goes_back(name: str, side: str) ->
     assert sign * mouth[1] > 0.01
     assert worst_pop(np.array([pose.rotations for pose in scene.shown])).degrees < 2.0
     assert out_of_the_trunk(scene, scene.shown[-1])
+    assert in_the_telephone(scene, scene.shown, scene.followed) < 0.002
     world = [msgspec.structs.replace(device("telephone", scene.base), id=9)]
     shown = scene.goes_on("lay_down", {"rest": "cradle"}, "release", world=world)
     laid = scene.both(shown)
+    assert in_the_telephone(scene, shown, laid) < 0.002  # 13 mm in it, as the hand opened and drew back
     assert [pose.states["taken"] for pose in laid if "taken" in pose.states] == ["no"]
     assert np.linalg.norm(laid[-1].place - scene.frame.place) < 0.003
     assert abs(laid[-1].rotation @ scene.frame.rotation) > 0.9999
