@@ -70,8 +70,10 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
     task, gaze = yield from _stood(task)
     task.arrived()
     yield gaze.alone()
-    plans = yield from _planned(task, hands, strokes, gaze)
-    made, typing = yield from _made(task, hands, plans, strokes, gaze)
+    plans, made, typing, missed = yield from _worked_out(task, hands, strokes, gaze)
+    if missed and (stand := _better_stand(task)) is not None:
+        task, gaze = yield from gone_to(task, stand, gaze)
+        plans, made, typing, missed = yield from _worked_out(task, hands, strokes, gaze)
     waited = False
     for side in SIDES:  # who works beside them is not reached through
         waited = (yield from awaited(task, made, side, gaze)) or waited
@@ -79,13 +81,15 @@ def touch_type(task: HumanTask) -> Iterator[Array]:
         made, typing = yield from _made(task, hands, plans, strokes, gaze)
     rows = task.block(made.rotations, made.root, made.importance, made.targets)
     first = len(rows) - len(typing.time)
-    _tell_missed_keys(task, typing.missed(task, made, first), len({stroke.key.name for stroke in strokes}))
     spoilt = yield from gaze.until(gaze.frames, typing.spoilt(task, made, first, keys))
     if spoilt:
         if (seat := seat_of(task)) is not None:
             raise AlgorithmError(f"it can't be typed, {spoilt}, from {_or_stand(seat)}")
         where = _in_the_way(task) or "come nearer to the middle of the keyboard"
         raise AlgorithmError(f"it can't be typed from here, {spoilt}; {where}")
+    _refuse_missed(task, missed)
+    for plan in plans.values():
+        tell_missed(task, plan)
     yield rows[:first]
     for begin in range(first, len(rows), AT_ONCE):  # worked out while they are shown
         yield typing.fingers(task, made, first, slice(begin, begin + AT_ONCE))
@@ -182,18 +186,29 @@ def _stood(task: HumanTask) -> Generator[Array, None, tuple[HumanTask, Looking]]
     gaze = Looking(task, task.site.place if task.site is not None else task.start.root)
     if (seat := seat_of(task)) is not None and seat.castors:
         return (yield from _rolled(task, seat, gaze))
-    if task.library is None or Standing.of(task.human, task.start.rotations, task.start.root) is None:
-        return task, gaze
-    stance = Stance.of(task.human, walk_library(task))
     assert task.object is not None
-    stand, now = before(task, AWAY), footing(task.human, task.start.rotations, task.start.root, stance)
-    aside = abs(((stand.facing or 0.0) - now.heading + np.pi) % (2.0 * np.pi) - np.pi)
     best = task.object.place[:2] + AWAY * front_of(task.object.frame)
-    if min(np.linalg.norm(place - now.place) for place in (stand.place, best)) < NEAR and aside < FACING:
+    stand = _better_stand(task, best, NEAR, FACING)
+    if stand is None:
         return task, gaze
     if (off := _aside(task, stand)) > FARTHEST and (way := _in_the_way(task)):
         raise AlgorithmError(f"one would stand {off:.2f} m aside of the keyboard's middle; {way}")
     return (yield from gone_to(task, stand, gaze))
+
+
+def _better_stand(task: HumanTask, good: Array | None = None, near: float = 0.02, facing: float = 0.05) -> Goal | None:
+    """Where one would stand to type; None where one does, so near and facing so, or can't go there.
+
+    good: (2,) a place that is as good.
+    """
+    if task.library is None or Standing.of(task.human, task.start.rotations, task.start.root) is None:
+        return None
+    stand, stance = before(task, AWAY), Stance.of(task.human, walk_library(task))
+    now = footing(task.human, task.start.rotations, task.start.root, stance)
+    aside = abs(((stand.facing or 0.0) - now.heading + np.pi) % (2.0 * np.pi) - np.pi)
+    places = [stand.place] if good is None else [stand.place, good]
+    there = min(float(np.linalg.norm(place - now.place)) for place in places) < near and aside < facing
+    return None if there else stand
 
 
 def _rolled(task: HumanTask, seat: Seated, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
@@ -242,18 +257,31 @@ def _in_the_way(task: HumanTask) -> str:
     return f"{around.names[i]} stands before it: move that away first" if gap[i] < CLEAR else ""
 
 
-def _tell_missed_keys(task: HumanTask, missed: Mapping[str, float], count: int) -> None:
-    """Tell which keys stay up, and by how much they are out of reach.
+def _refuse_missed(task: HumanTask, missed: Mapping[str, float]) -> None:
+    """Refuse a text of which keys would stay up.
 
     Raises:
-        AlgorithmError: all do.
+        AlgorithmError: some would; says which, by how much they are out of reach, and what to do.
     """
     if not missed:
         return
-    far = f"up to {1000.0 * max(missed.values()):.0f} mm out of reach of their fingers"
-    if len(missed) == count:
-        raise AlgorithmError(f"all keys are {far} from here; come nearer to the middle of the keyboard")
-    task.note(f"not pressed: {', '.join(missed)}; {far}; come nearer to the middle of the keyboard")
+    far = f"{', '.join(missed)} would stay up, up to {1000.0 * max(missed.values()):.0f} mm out of reach of fingers"
+    if (seat := seat_of(task)) is not None:
+        raise AlgorithmError(f"it can't be typed, as {far}, from {_or_stand(seat)}")
+    raise AlgorithmError(f"it can't be typed from here, as {far}; come nearer to the middle of the keyboard")
+
+
+def _worked_out(
+    task: HumanTask, hands: Mapping[str, TypingHand], strokes: list[Stroke], gaze: Looking
+) -> Generator[Array, None, tuple[Mapping[str, Plan], Performed, Typing, Mapping[str, float]]]:
+    """The plans of both hands, what is made of them, and the keys that would stay up, by how many metres.
+
+    Raises:
+        AlgorithmError: the keyboard is out of reach; says by how much.
+    """
+    plans = yield from _planned(task, hands, strokes, gaze)
+    made, typing = yield from _made(task, hands, plans, strokes, gaze)
+    return plans, made, typing, typing.missed(task, made, len(made.root) - len(typing.time))
 
 
 def _planned(
@@ -282,7 +310,6 @@ def _planned(
         looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
         reacher = Reacher.of(task.human, side)
         plans[side] = yield from gaze.during(reaching.way(reacher, one, gaze.place, prisms, looked))
-        tell_missed(task, plans[side])
     first = gaze.frames + gaze.left(FIRST)
     looked = float(gaze.turned(np.array([first]))[0])
     return {side: reaching.set_out(plan, gaze.place, looked) for side, plan in plans.items()}
