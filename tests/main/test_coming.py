@@ -156,6 +156,7 @@ def test_what_has_changed_on_the_way_is_planned_for_as_it_is_now(two: Two) -> No
     add(aiko, "do b fetch")
     go_on(two, lambda: walked(aiko) > 0.3)
     add(ken, "set b lid open")
+    go_on((ken,), lambda: ken.communication.world.objects["b"].states["lid"] == "open")  # aiko walks no further until
     go_on(two, lambda: aiko.agenda.done)
     assert "b fetch: the lid is open" in aiko.report.notes
     assert aiko.report.messages == []

@@ -15,8 +15,11 @@ Start = Callable[..., ServerProcess]
 Join = Callable[..., MainProcess]
 
 
-def go_on(main: MainProcess, frames: int) -> None:
-    for _ in range(frames):
+def go_on(main: MainProcess, done: Callable[[], bool]) -> None:
+    """Frames until it is so."""
+    end = time.monotonic() + 20.0
+    while not done():
+        assert time.monotonic() < end, main.report.messages
         main.frame()
         time.sleep(0.005)
 
@@ -32,12 +35,12 @@ def test_what_was_given_away_is_dropped_at_once_and_said_in_one_line(
     ken.play(steps("add box as b at 0.3 0 1", "do b take frames 20"))
     for step in steps(*doing):
         ken.agenda.add(step)
-    go_on(ken, 10)
+    go_on(ken, lambda: ken.control.busy == bool(doing))
     assert ken.control.holds == {"b": "right"}
     ken.communication.client.transfer("b", "ken", "aiko", "left")
-    go_on(ken, 60)
-    assert ken.control.holds == {}
-    assert ken.agenda.done
+    go_on(ken, lambda: not ken.control.holds)
+    assert not ken.control.busy
+    go_on(ken, lambda: ken.agenda.done)
     assert ken.report.messages == [said]
     assert aiko.communication.client.refresh().objects["b"].holder == "aiko"
     ken.play(steps("do b take patience=0 frames 20"))

@@ -60,15 +60,17 @@ frames = 40
 
 
 class Late:
-    """A claim that the server is late to grant."""
+    """A claim that the server grants when the motion has come to its 25th frame; `palm`: where the hand is then."""
 
-    def __init__(self, pending: Pending) -> None:
-        self.pending, self.left = pending, 25
+    def __init__(self, pending: Pending, main: MainProcess) -> None:
+        self.pending, self.main = pending, main
+        self.palm: np.ndarray | None = None
 
     @property
     def done(self) -> bool:
-        self.left -= 1
-        return self.left < 0 and self.pending.done
+        if self.palm is None and any(k > 25 for _, k, _ in self.main.control.progress):
+            self.palm = self.main.blending.grips[0, :3].copy()
+        return self.palm is not None and self.pending.done
 
     def result(self) -> Reply:
         return self.pending.result()
@@ -99,15 +101,21 @@ def test_a_late_one_is_shown_every_frame_and_ends_where_the_hand_ended(ken: Main
 def test_one_whose_claim_is_granted_late_is_shown_what_came_before(
     ken: MainProcess, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    claim = ken.communication.claim
-    monkeypatch.setattr(ken.communication, "claim", lambda name, hand: Late(claim(name, hand)))
+    claim, late = ken.communication.claim, list[Late]()
+
+    def claim_late(name: str, hand: str) -> Late:
+        late.append(Late(claim(name, hand), ken))
+        return late[-1]
+
+    monkeypatch.setattr(ken.communication, "claim", claim_late)
     film = Film(ken, "do b lead", "wait 0.3")
     assert ken.report.messages == []
     palms = np.array(film.grips)[:, 0, :3]
     states = ken.communication.update(complete=True).objects["b"].states
     assert states["first"] == pytest.approx(palms[0, 2], abs=1e-9)
     assert states["height"] == pytest.approx(palms[-1, 2], abs=1e-9)
-    assert np.linalg.norm(palms[20] - palms[0]) > 0.02
+    assert late[0].palm is not None
+    assert np.linalg.norm(late[0].palm - palms[0]) > 0.02  # it had moved when the claim was granted
 
 
 def test_one_that_never_answers_is_given_up_and_the_motion_ends(ken: MainProcess) -> None:

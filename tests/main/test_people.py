@@ -160,7 +160,7 @@ def test_an_algorithm_follows_a_human_that_moves(server: Start, join: Join, work
         aiko.agenda.add(step)
     for step in steps("wait 0.3", "do b step to 1.4 0.5 frames 10"):
         ken.agenda.add(step)
-    until = time.monotonic() + 10.0
+    until = time.monotonic() + 30.0
     while time.monotonic() < until:
         ken.frame()
         aiko.frame()
