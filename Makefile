@@ -17,10 +17,14 @@ help:
 demo: $(READY) $(GL)
 	$(BIN)/ahmss demo
 
-# The checks run beside the tests, and one worker more than most machines' two cores as many tests wait for something.
+# What is compiled once is kept, whatever the shell says: each of some hundred processes would compile all of it anew.
+unexport PYTHONDONTWRITEBYTECODE
+
+# The checks run beside the tests in what these leave of the processors, which are idle where a test waits.
 test: $(READY) $(GL)
-	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
-	@$(MAKE) --no-print-directory lint
+	@mkdir -p out; nice -n 19 $(MAKE) --no-print-directory lint > out/lint.txt 2>&1 & checks=$$!; \
+	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder; tests=$$?; \
+	wait $$checks; checks=$$?; cat out/lint.txt; exit $$((tests || checks))
 
 test-long: $(READY) $(GL)
 	$(BIN)/pytest -q -m long --timeout 1800

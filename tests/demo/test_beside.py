@@ -58,7 +58,7 @@ def played(directory: Path, script: str, human: str) -> tuple[Recorded, list[Met
 
 
 @pytest.mark.parametrize("human", BOTH)
-@pytest.mark.parametrize("then", ["", "do two lift"])
+@pytest.mark.parametrize("then", [pytest.param("", marks=pytest.mark.long), "do two lift"])
 def test_what_stands_on_the_floor_beside_a_table_is_taken_and_carried_off(
     tmp_path: Path, human: str, then: str
 ) -> None:

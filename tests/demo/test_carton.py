@@ -66,7 +66,7 @@ def test_it_stands_where_it_was_put_down_and_is_free(played: Recorded) -> None:
     assert played.holders["carton"][-1] == ""
 
 
-@pytest.mark.parametrize("body", ["ken", "aiko"])
+@pytest.mark.parametrize("body", ["ken", pytest.param("aiko", marks=pytest.mark.long)])
 def test_who_walks_off_with_it_has_it_along_between_both_hands(body: str, tmp_path: Path) -> None:
     """It hung in the air where the walk began, as the arms were let down."""
     lines = ["add floor", f"human ken body {body} at 0 0", "add carton at 0.35 0", "do carton lift"]

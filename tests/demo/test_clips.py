@@ -20,7 +20,12 @@ def test_the_script_makes_the_clips_that_are_here() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "code"), [(["--help"], 0), (["--chekc"], 2), pytest.param(["check"], 2, marks=pytest.mark.long)]
+    ("words", "code"),
+    [
+        pytest.param(["--help"], 0, marks=pytest.mark.long),
+        (["--chekc"], 2),
+        pytest.param(["check"], 2, marks=pytest.mark.long),
+    ],
 )
 def test_the_script_makes_nothing_where_it_is_asked_for_help_or_is_not_understood(words: list[str], code: int) -> None:
     done = subprocess.run(

@@ -26,6 +26,7 @@ LOOSELY = 0.005  # metres within which a finger in a loop has its bar: where it 
 AROUND = -0.3  # cosine between the normals under two links of a finger that goes around a bar
 OPPOSITE = -0.6  # cosine between the normals under the thumb and under the finger most opposite to it
 NAMES = ("cup40", "cup55", "cup72", "cup90", "cup110", "lever", "tap", "plate", "box60", "box80", "knob")
+BETWEEN = ("cup55", "cup90", "box80")  # smaller and larger ones are held
 ALL = ("cup72", "lever", "plate", "box60")  # held by either hand of both, the others by ken's right and aiko's left
 HANDS = [("ken", "right"), ("ken", "left"), ("aiko", "right"), ("aiko", "left")]
 WITHIN = np.array([[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [0, 1, 1], [1, 0, 1], [2 / 3, 2 / 3, 2 / 3]]) / 2.0
@@ -69,7 +70,10 @@ def on_object(holding: Holding, who: str, side: str) -> tuple[Array, Array]:
 
 @pytest.mark.parametrize(
     ("name", "who", "side"),
-    [(name, *HANDS[3 * (i % 2)]) for i, name in enumerate(NAMES)]
+    [
+        pytest.param(name, *HANDS[3 * (i % 2)], marks=[pytest.mark.long] if name in BETWEEN else [])
+        for i, name in enumerate(NAMES)
+    ]
     + [pytest.param(name, *HANDS[3 - 3 * (i % 2)], marks=pytest.mark.long) for i, name in enumerate(NAMES)]
     + [pytest.param(name, *hand, marks=pytest.mark.long) for name in ALL for hand in HANDS[1:3]],
 )
