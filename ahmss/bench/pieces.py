@@ -20,7 +20,7 @@ __all__ = ["Piece", "pieces"]
 
 _GRAIN = 1e-5  # metres: corners so near to each other are one
 _FLAT = 1e-6  # metres that a corner may be outside of a face's plane of a convex piece
-_PAIRS = 200_000  # of points and triangles at a time
+_PAIRS = 10_000  # of points and triangles at a time: what is worked on stays near the processor
 
 
 @dataclass(frozen=True)

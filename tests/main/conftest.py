@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ from ahmss.world.process import ServerProcess
 
 ROOT = Path(__file__).parents[2]
 PEER = Path(__file__).parents[1] / "peers" / "peer.py"
+WRITTEN = 1e9  # when the small algorithms were, seconds since 1970: a program that a test changes is another one
 
 OBJECT = """
 name = "box"
@@ -231,12 +233,16 @@ def make_workspace(root: Path) -> Path:
     shutil.copytree(ROOT / "humandb", root / "humandb")
     for name, (kind, parameters, code) in ALGORITHMS.items():
         write_algorithm(root, name, kind, parameters, code)
+        os.utime(root / "algorithms" / name / f"{name}.py", (WRITTEN, WRITTEN))
     return root
 
 
 @pytest.fixture
-def workspace(tmp_path: Path) -> Path:
-    return make_workspace(tmp_path / "workspace")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Made anew for each test, but in the same place: its programs are known to the pool from the first one on."""
+    root = tmp_path_factory.getbasetemp() / "workspace"
+    shutil.rmtree(root, ignore_errors=True)
+    return make_workspace(root)
 
 
 @pytest.fixture(scope="session")
