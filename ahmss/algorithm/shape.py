@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.database import store
-from ahmss.database.footprint import triangles_of
+from ahmss.database.footprint import parts_of
 from ahmss.errors import DataError, ProtocolError
 from ahmss.grasping.field import Field
 
@@ -29,16 +29,24 @@ class TargetShape:
     Args:
         path: of its GLB, as START names it.
         digest: SHA-256 of that file.
-        fixed: whether only what of it no state moves or hides.
+        only: the part of it, which states move or hide; "": what none does; None: all of it.
     """
 
-    def __init__(self, path: str, digest: str, *, fixed: bool = False) -> None:
-        self.path, self.digest, self._fixed = path, digest, fixed
+    def __init__(self, path: str, digest: str, *, only: str | None = None) -> None:
+        self.path, self.digest, self._only = path, digest, only
         self._fields: dict[tuple[int, int, int], Field] = {}
 
-    @cached_property
+    @property
     def _triangles(self) -> Array:
-        """(T, 3, 3) of the file.
+        """(T, 3, 3) of it."""
+        none = np.zeros((0, 3, 3))
+        if self._only is not None:
+            return self._parts.get(self._only, none)
+        return np.concatenate([none, *self._parts.values()])
+
+    @cached_property
+    def _parts(self) -> dict[str, Array]:
+        """(T, 3, 3) of each part in the file.
 
         Raises:
             DataError: it is not where main keeps shapes (its cache may be another than ours), is gone, or has other
@@ -53,7 +61,7 @@ class TargetShape:
         if hashlib.sha256(data).hexdigest() != self.digest:
             raise DataError(self.path, "", "is not the shape that was named; delete it and begin the action again")
         try:
-            return triangles_of(data, fixed=self._fixed)
+            return parts_of(data)
         except (ProtocolError, LookupError, ValueError) as error:
             raise DataError(self.path, "", f"has no triangles that can be read ({error})") from None
 
@@ -74,8 +82,26 @@ class TargetShape:
         Raises:
             DataError: the shape can't be read.
         """
-        fixed = TargetShape(self.path, self.digest, fixed=True)
+        fixed = self._of("")
         return fixed if 0 < len(fixed._triangles) < len(self._triangles) else None
+
+    def part(self, place: Array) -> TargetShape | None:
+        """The part of it nearest to a place (3,) in its frame, of those that states may move; None where it has none.
+
+        Raises:
+            DataError: the shape can't be read.
+        """
+        from ahmss.grasping.distance import distances
+
+        moved = {name: own for name, own in self._parts.items() if name}
+        off = {name: float(distances(np.tile(place, (len(own), 1)), own).min()) for name, own in moved.items()}
+        return self._of(min(off, key=lambda name: off[name])) if off else None
+
+    def _of(self, only: str) -> TargetShape:
+        """That part of it; the file is not read again."""
+        made = TargetShape(self.path, self.digest, only=only)
+        made.__dict__["_parts"] = self._parts
+        return made
 
     def field(self, place: Array) -> Field:
         """How far points are from what of the shape is within a hand's reach of a place (3,) in the object's frame.
@@ -107,4 +133,10 @@ class TargetShape:
 
     def _named(self, cell: tuple[int, int, int]) -> str:
         """What the file of the distances around a place is called."""
-        return "_".join([self.digest, *(["fixed"] if self._fixed else []), *map(str, cell), str(_VERSION)])
+        return "_".join([self.digest, *self._what(), *map(str, cell), str(_VERSION)])
+
+    def _what(self) -> list[str]:
+        """What of the shape it is, in a file's name."""
+        if not self._only:
+            return [] if self._only is None else ["fixed"]
+        return [hashlib.sha256(self._only.encode()).hexdigest()[:12]]

@@ -20,7 +20,7 @@ from ahmss.database.shape import Shape
 from ahmss.motion.glbfile import GlbReader
 from ahmss.states.behaviour import PART
 
-__all__ = ["HIGH", "LOW", "Footprints", "Rings", "triangles_of"]
+__all__ = ["HIGH", "LOW", "Footprints", "Rings", "parts_of", "triangles_of"]
 
 LOW, HIGH = 0.05, 1.9  # metres over the floor between which a walker meets things
 _LIMIT = 4096  # footprints that are remembered
@@ -92,10 +92,17 @@ def _footprint(triangles: Array, raised: int) -> Rings:
 
 def triangles_of(glb: bytes, *, fixed: bool = False) -> Array:
     """The triangles (n, 3, 3) of a shape as it travels; fixed: but those of parts that states may move or hide."""
-    reader = GlbReader(glb)
-    meshes = [mesh for mesh in reader.tree["meshes"] if not (fixed and str(mesh.get("name", "")).startswith(PART))]
-    primitives = [primitive for mesh in meshes for primitive in mesh["primitives"]]
-    if not primitives:
-        return np.zeros((0, 3, 3))
-    parts = [reader.array(p["attributes"]["POSITION"])[reader.array(p["indices"])[:, 0]] for p in primitives]
-    return np.concatenate(parts).astype(np.float64).reshape(-1, 3, 3)
+    own = parts_of(glb)
+    return np.concatenate([np.zeros((0, 3, 3)), *(own[name] for name in own if not (fixed and name))])
+
+
+def parts_of(glb: bytes) -> dict[str, Array]:
+    """The triangles (n, 3, 3) of the parts of a shape that states may move or hide, by name; "" of the rest."""
+    reader, found = GlbReader(glb), dict[str, list[Array]]()
+    for mesh in reader.tree["meshes"]:
+        name = str(mesh.get("name", ""))
+        for one in mesh["primitives"]:
+            corners = reader.array(one["attributes"]["POSITION"])[reader.array(one["indices"])[:, 0]]
+            own = found.setdefault(name.removeprefix(PART) if name.startswith(PART) else "", [])
+            own.append(corners.astype(np.float64).reshape(-1, 3, 3))
+    return {name: np.concatenate(own) for name, own in found.items()}

@@ -1,5 +1,7 @@
 """A hand on its way to a part of a thing goes round the rest of it: over a tap's spout, not through it, to its lever.
 
+Nor does it go through the part.
+
 What is in the way of a reach leaves out the thing that is sought, which fingers come close to; so what of it stays
 while its part is moved is looked at here, by its own shape.
 """
@@ -20,6 +22,8 @@ from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import Steps
 from ahmss.reaching.performing import SHAPED_BY
 from ahmss.reaching.plan import Plan
+from ahmss.skills.in_part import InPart
+from ahmss.skills.part_ways import Part
 
 __all__ = ["Rest"]
 
@@ -34,21 +38,19 @@ _HIGHER, _FARTHER = (0.0, 0.06, 0.12, 0.18), (0.0, 0.08)
 class Rest:
     """What of a task's object stays while its part is moved, as far as it is known and a hand comes near it."""
 
-    def __init__(self, task: HumanTask) -> None:
-        self._task, self._field = task, _field_of(task)
+    def __init__(self, task: HumanTask, part: InPart) -> None:
+        self._task, self._field, self._part = task, _field_of(task), part
 
-    def round(self, plan: Plan, wide: Array, out: Array) -> Steps[Plan]:
+    def round(self, plan: Plan, part: Part, wide: Array) -> Steps[Plan]:
         """The plan of a hand that opens to (14, 4) on the way, by the first way round the rest.
 
-        out: (3,) level with where one stands, the way off the thing.
+        part: to which it comes.
         """
-        if self._field is None:
-            return plan
         best: tuple[float, Plan] = (np.inf, plan)
         for farther in _FARTHER:
             for higher in _HIGHER:
-                way = plan.moved(np.array([0.0, 0.0, higher]) + farther * out) if higher or farther else plan
-                deep = self._planned(way, wide)
+                way = plan.moved(np.array([0.0, 0.0, higher]) + farther * part.off) if higher or farther else plan
+                deep = self._planned(way, part, wide)
                 if deep < best[0] - _SOME:
                     best = deep, way
                 if deep < -_AIR:
@@ -56,12 +58,12 @@ class Rest:
                 yield
         return best[1]
 
-    def _planned(self, plan: Plan, wide: Array) -> float:
+    def _planned(self, plan: Plan, part: Part, wide: Array) -> float:
         """Metres by which the hand is in the rest on a plan's way at the most, as far as that can be helped."""
         links = list(fingers(plan.reacher.side))
         shapes = slerp(plan.start.rotations[links], wide, minimum_jerk(_TIME / SHAPED_BY)[:, None])
-        palms = plan.palms(_TIME)
-        return self._depth(plan.reacher.side, palms[:-1], shapes[:-1])
+        side, palms, shapes = plan.reacher.side, plan.palms(_TIME)[:-1], shapes[:-1]
+        return max(self._depth(side, palms, shapes), self._part.at_rest(side, part, palms, shapes))
 
     def depth(self, side: str, rotations: Array, root: Array) -> float:
         """Metres by which a hand is in the rest, at the most, in frames (n, 43, 4), (n, 3); 0 where in none."""
@@ -73,7 +75,8 @@ class Rest:
 
     def _depth(self, side: str, palms: Array, shapes: Array) -> float:
         """The same for palms (n, 7) in the world and fingers (n, 14, 4); negative outside."""
-        assert self._field is not None
+        if self._field is None:
+            return -np.inf
         assert self._task.object is not None
         hand = Hand.of(self._task.human, side)
         seen = self._task.object.frame.inverse().then(Transform.of(palms)).row()

@@ -32,6 +32,7 @@ from ahmss.skills.controls import beside, in_the_way, stood_before
 from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.elsewhere import or_elsewhere
 from ahmss.skills.going_back import gone_back, rows_made
+from ahmss.skills.in_part import InPart
 from ahmss.skills.keeping import kept_clear
 from ahmss.skills.off_target import too_short
 from ahmss.skills.out_of_reach import EXACT, refuse_short
@@ -56,6 +57,7 @@ __all__ = ["Part", "pinched"]
 
 _COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
+_DEEP = 0.001  # metres that fingers may be in the part, by their balls, in which skin is less deep
 _REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
 _MOST_WAYS = 3  # that are tried
@@ -128,7 +130,8 @@ def _worked_out(
     Raises:
         AlgorithmError: it is out of reach, something is in the way, or the hand can't bring it where it is to go.
     """
-    along, rest = partial(_along, ways[0].part), Rest(task)
+    along, in_part = partial(_along, ways[0].part), InPart(task)
+    rest = Rest(task, in_part)
     reaching = GoingOn(task.human, task.start.rotations, task.start.root, along)
     each = {side: [way.by(side) for way in ways if side in way.palms] for side in taken}  # for one hand alone
     left = lasting(reaching, ways, _MOST_WAYS) or list(ways[:1])
@@ -140,7 +143,7 @@ def _worked_out(
     while left:
         way = left.pop(0)
         try:
-            one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze, rest)
+            one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze, rest, in_part)
         except AlgorithmError as error:  # another way may be within reach
             refused = refused or error
             continue
@@ -215,7 +218,7 @@ def _touching(task: HumanTask, tried: _Tried) -> AlgorithmError | None:
 
 def _tried(
     task: HumanTask, way: Approach, other: Part | None, taken: dict[str, list[Grip]], reaching: Reaching,
-    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, rest: Rest,
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, rest: Rest, in_part: InPart,
 ) -> Generator[Array, None, _Tried]:  # fmt: skip
     """What comes of a way.
 
@@ -228,7 +231,8 @@ def _tried(
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
         grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
-        plan = yield from gaze.during(rest.round(plan, open_hand(task, plan.reacher.side, grip.holding), part.off))
+        wide = open_hand(task, plan.reacher.side, grip.holding)
+        plan = yield from gaze.during(rest.round(plan, part, wide))
         yield from gaze.if_there_is_time()
         made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
         missed = _missed(task, part, plan, made)
@@ -252,10 +256,11 @@ def _tried(
         return max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
 
     def flaw(plan: Plan, made: Performed) -> float:
-        side, shown = plan.reacher.side, _shown(made, _back(task, part, plan, made))
+        side, back = plan.reacher.side, _back(task, part, plan, made)
+        shown = _shown(made, back)
         far = _REFUSED if short(plan, made) > EXACT else 0.0
-        amiss = far + missed(plan, made) + crowding(task, made, side)
-        return amiss + rest.depth(side, *shown) + touched(plan, *shown)
+        deep = max(_deep(task, part, plan, made, back, in_part) - _DEEP, 0.0) + rest.depth(side, *shown)
+        return far + missed(plan, made) + crowding(task, made, side) + deep + touched(plan, *shown)
 
     def on_part(plan: Plan, made: Performed) -> float:
         on = np.flatnonzero(_moved(task, part, plan.palm)[1] > 0.0)
@@ -265,6 +270,17 @@ def _tried(
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
     amiss = flaw(plan, made), on_part(plan, made), short(plan, made)
     return _Tried(*amiss, way.by(plan.reacher.side), plan, made, perform)
+
+
+def _deep(task: HumanTask, part: Part, plan: Plan, made: Performed, back: Array, in_part: InPart) -> float:
+    """Metres by which fingers are in the part at the most, in what is made and as they go back (m, 260)."""
+    reacher, n, m = plan.reacher, len(made.root), len(back)
+    way, closed, _ = _course(task, part)
+    palms = np.concatenate([made.targets, back[:, 220:].reshape(m, 5, 8)])[:, reacher.row, :7]
+    shapes = _shown(made, back)[0][:, list(fingers(reacher.side))]
+    before = n - len(way)
+    way, held = np.pad(way, (before, m)), np.pad(closed == 1.0, (before, m))
+    return in_part.depth(reacher.side, part, palms, shapes, way, held)
 
 
 def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:

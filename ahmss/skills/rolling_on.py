@@ -20,7 +20,7 @@ from ahmss.grasping.key_grip import curled
 from ahmss.grasping.rolling import amiss, rolled
 from ahmss.skills.part_ways import Part
 
-__all__ = ["held_on", "shapes_on"]
+__all__ = ["brought", "held_on", "shapes_on"]
 
 _STOPS = np.linspace(0.0, 1.0, 6)  # shares of the way at which fingers are looked at, and closed anew
 _WELL = 0.001  # metres that skin may be in the part or off it for them to stay as they took hold
@@ -53,11 +53,21 @@ def shapes_on(
     return _between(_at_stops(task, part, side, palms[on], way[on], holding), way)
 
 
+def brought(part: Part, palms: Array, way: Array) -> Transform:
+    """The part's site (n) where palms (n, 7) bring it that hold it, the first where it is now.
+
+    way: (n,) shares of its way to which they should: they do not come just there.
+    """
+    own = Transform.of(palms[0]).inverse().apply(part.way(way[:1])[0][0])
+    off = np.linalg.norm(part.way(_ALONG)[0] - Transform.of(palms).apply(own)[:, None], axis=-1)
+    return part.at(_ALONG[(off + _ASIDE * np.abs(_ALONG - way[:, None])).argmin(axis=1)])
+
+
 def _at_stops(task: HumanTask, part: Part, side: str, palms: Array, way: Array, holding: Holding) -> Array:
     """The fingers (stops, 14, 4) closed on the part, brought by palms (m, 7) along all of its way (m,)."""
     hand, field, at_rest = _shape(task, side)
     stops = np.minimum(np.searchsorted(way, _STOPS), len(way) - 1)
-    seen = at_rest.then(_held(part, palms, way, stops).inverse().then(Transform.of(palms[stops]))).row()
+    seen = at_rest.then(brought(part, palms[stops], way[stops]).inverse().then(Transform.of(palms[stops]))).row()
     kept = np.broadcast_to(holding.shape, (len(stops), *holding.shape.shape))
     flaw, turned = amiss(hand, field, seen, kept), np.abs(seen[:, 3:] @ seen[0, 3:]).min()
     if flaw < _WELL or turned < _SLIPS:
@@ -73,17 +83,6 @@ def _between(shapes: Array, way: Array) -> Array:
     after = np.clip(np.searchsorted(_STOPS, way), 1, len(_STOPS) - 1)
     done = (way - _STOPS[after - 1]) / (_STOPS[after] - _STOPS[after - 1])
     return slerp(shapes[after - 1], shapes[after], done[:, None])
-
-
-def _held(part: Part, palms: Array, way: Array, which: NDArray[np.intp]) -> Transform:
-    """The part's site where some of the palms (m, 7) that hold it bring it, which do not come just as they should.
-
-    way: (m,) shares of it that they should have brought it. which: of them.
-    """
-    own = Transform.of(palms[0]).inverse().apply(part.way(way[:1])[0][0])
-    places = Transform.of(palms[which]).apply(own)
-    off = np.linalg.norm(part.way(_ALONG)[0] - places[:, None], axis=-1)
-    return part.at(_ALONG[(off + _ASIDE * np.abs(_ALONG - way[which, None])).argmin(axis=1)])
 
 
 def _shape(task: HumanTask, side: str) -> tuple[Hand, Field, Transform]:
