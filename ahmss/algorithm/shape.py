@@ -35,6 +35,7 @@ class TargetShape:
     def __init__(self, path: str, digest: str, *, only: str | None = None) -> None:
         self.path, self.digest, self._only = path, digest, only
         self._fields: dict[tuple[int, int, int], Field] = {}
+        self._own: dict[str, TargetShape] = {}
 
     @property
     def _triangles(self) -> Array:
@@ -99,9 +100,10 @@ class TargetShape:
 
     def _of(self, only: str) -> TargetShape:
         """That part of it; the file is not read again."""
-        made = TargetShape(self.path, self.digest, only=only)
-        made.__dict__["_parts"] = self._parts
-        return made
+        if only not in self._own:
+            self._own[only] = TargetShape(self.path, self.digest, only=only)
+            self._own[only].__dict__["_parts"] = self._parts
+        return self._own[only]
 
     def field(self, place: Array) -> Field:
         """How far points are from what of the shape is within a hand's reach of a place (3,) in the object's frame.

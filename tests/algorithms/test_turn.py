@@ -131,11 +131,13 @@ def test_the_fingers_of_a_hand_that_turns_less_roll_on_the_lever(name: str) -> N
 def test_no_finger_goes_through_the_lever_as_the_hand_comes() -> None:
     """From aside of the tap an index finger went 6 mm through its end."""
     body = standing("ken", 0.28, 0.7, 15.0)
+    before = PoseRecord.of(body.rotations, body.root)
     shown = body.do("turn", turning(body, busy=["right"]))
-    palms = np.array([grips(body.skeleton, pose.rotations, pose.root)[1, :3] for pose in shown])
-    off = np.linalg.norm(palms - frame_of(TAP).apply(AT), axis=1)
-    near = np.flatnonzero(off < 0.2)
-    came = near[: int(off[near].argmin())]  # before the lever is turned
+    moves = msgspec.structs.replace(turning(body), kind="object", pose=before, hand="left")
+    told = [pose.states or {} for pose in frames(program("turned"), moves, body.rows(shown))]
+    turns = next(k for k, states in enumerate(told) if states.get("turn", 0.0) > 0.0)
+    palms = np.array([grips(body.skeleton, pose.rotations, pose.root)[1, :3] for pose in shown[:turns]])
+    came = np.flatnonzero(np.linalg.norm(palms - frame_of(TAP).apply(AT), axis=1) < 0.2)
     assert len(came) > 20
     assert min(min(from_lever("ken", "left", shown[k], 0.0).values()) for k in came[::3].tolist()) > -0.0015
 
