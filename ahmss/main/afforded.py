@@ -22,10 +22,14 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError
 from ahmss.main.company import KIND
 from ahmss.main.description import Scene
+from ahmss.main.enabling import bringing
 from ahmss.states.condition import Condition
 from ahmss.world.schema import ObjectRecord
 
-__all__ = ["Actor", "Meant", "meant", "offered", "reach", "sentence_of", "why_not"]
+__all__ = [
+    "Actor", "Meant", "comes_up_to", "height_of", "meant", "offered", "reach", "sentence_of",
+    "too_high", "why_not",
+]  # fmt: skip
 
 _AHEAD = 0.1  # metres that an arm which reaches ahead comes less high than one that is straight up
 
@@ -110,7 +114,7 @@ def why_not(what: Meant, actor: Actor, title: str = "") -> str:
     if affordance.hold == "take" and mine:
         has = "sits on" if _is_seat(what.kind) else "holds"
         return f"{title}: {actor.name} {has} it already"
-    lacks = _lacks(affordance, actor) or ("" if mine else _too_high(what, actor))
+    lacks = _lacks(affordance, actor) or ("" if mine else too_high(what, actor))
     if lacks:
         return f"{title}: {lacks}"
     if affordance.hold in ("keep", "release") and not mine and _is_seat(what.kind):
@@ -138,7 +142,15 @@ def _otherwise(what: Meant, actor: Actor, when: Condition, now: Mapping[str, str
     shown = ", ".join(
         f"{name} is {now[name]}" for name in dict.fromkeys(c.state for c in when.clauses()) if name in now
     )
-    return f"only when {when.text}; {shown or 'it has no such state'}"
+    there = what.affordance.parameters.get("position") in now.values()  # what it would bring is so already
+    lacking = (clause for clause in when.clauses() if not clause.holds(now) and not there)
+    action = next(filter(None, (bringing(what.kind, clause, _drives) for clause in lacking)), "")
+    first = f"; `do {what.name} {action}` first" if action else ""
+    return f"only when {when.text}; {shown or 'it has no such state'}{first}"
+
+
+def _drives(affordance: Affordance) -> str:
+    return str(affordance.parameters.get("state", ""))
 
 
 def _is_seat(kind: ObjectKind) -> bool:
@@ -192,16 +204,25 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
     return ""
 
 
-def _too_high(what: Meant, actor: Actor) -> str:
-    """Why the hand does not come so high as where the object stands now, or ""; only what takes a hand is asked."""
-    site = what.kind.sites.get(what.affordance.site or "")
-    if site is None or what.affordance.needs.get("free_hands", 0.0) <= 0.0:
-        return ""
-    height = float((what.pose[:3] + rotate(what.pose[3:], np.array(site.position)))[2])
-    most = reach(actor.skeleton) - _AHEAD
-    if height <= most:
+def too_high(what: Meant, actor: Actor) -> str:
+    """Why the hand does not come so high as where the object stands now, or ""."""
+    height, most = height_of(what), comes_up_to(actor.skeleton)
+    if height is None or height <= most:
         return ""
     return f"it is {height:.2f} m high there; {actor.name} reaches {most:.2f} m"
+
+
+def height_of(what: Meant) -> float | None:
+    """How high a hand is to come, metres; None for what takes no hand."""
+    site = what.kind.sites.get(what.affordance.site or "")
+    if site is None or what.affordance.needs.get("free_hands", 0.0) <= 0.0:
+        return None
+    return float((what.pose[:3] + rotate(what.pose[3:], np.array(site.position)))[2])
+
+
+def comes_up_to(skeleton: Skeleton) -> float:
+    """How high a hand comes that reaches ahead, metres."""
+    return reach(skeleton) - _AHEAD
 
 
 @lru_cache(maxsize=64)

@@ -27,6 +27,7 @@ from ahmss.main.ledger import OVER, Ledger
 from ahmss.main.naming import find_object
 from ahmss.main.people import records as people
 from ahmss.main.sight import WAITS, WORKS, Sight, eyes
+from ahmss.main.who_reaches import who_reaches
 from ahmss.port import schema
 from ahmss.port.grammar import line_of
 from ahmss.port.schema import Action, Affordances, Objects, Person, Reply, Request, Thing, Unavailable
@@ -156,7 +157,7 @@ class Answering:
         except AhmssError as error:
             return str(error)
         actor = main.actor
-        reason = why_not(what, actor)
+        reason = who_reaches(why_not(what, actor), main.communication, what, actor)
         if not reason and not offered(what, actor):
             return f"{what.name} {action}: {what.record.holder} holds it; wait until it is let go"
         return reason

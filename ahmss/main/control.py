@@ -50,7 +50,7 @@ class Control:
         self._motions: list[Motion] = []
         self._claims = claims = Claims(communication, actor)
         self._showing = showing = Showing(database.workspace, communication)
-        self._hearing = Hearing(communication, say, note)
+        self._hearing = Hearing(database.workspace, communication, say, note)
         self._starting = Starting(database, communication, launcher, claims, showing, note, actor, rate, seed)
         self._moving = Moving(claims, showing, communication, launcher, self._hearing)
         self._giving_over = GivingOver(claims, communication, self._fail, rate)

@@ -32,6 +32,7 @@ from ahmss.main.order import Order
 from ahmss.main.passing import GIVE, PASSING, RECEIVE, passed, refuse_full, taking
 from ahmss.main.suggesting import some
 from ahmss.main.tops import height_of_what_is_under, place_on_top
+from ahmss.main.who_reaches import who_reaches
 from ahmss.world.schema import ObjectRecord
 
 __all__ = ["Database"]
@@ -140,9 +141,10 @@ class Database:
         kind = self.workspace.objects.get(record.kind)
         site = kind.affordances[order.affordance.name].site if order.whom else order.affordance.site
         affordance = msgspec.structs.replace(order.affordance, site=site)
-        reason = why_not(Meant(name, record, kind, affordance, scene.pose(name)), actor, order.title)
+        what = Meant(name, record, kind, affordance, scene.pose(name))
+        reason = why_not(what, actor, order.title)
         if reason:
-            raise CommandError(reason)
+            raise CommandError(who_reaches(reason, scene, what, actor))
         if "goal_position" in affordance.asks and name in actor.holds and order.goal.place is not None:
             refuse_occupied(self.workspace, scene, order.title, name, np.array(order.goal.place), actor.root)
         if order.affordance.hold == GIVE:

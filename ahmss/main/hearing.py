@@ -6,8 +6,10 @@ import logging
 from collections.abc import Callable
 
 from ahmss.algorithm.messages import State
+from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, AlgorithmError
 from ahmss.main.communication import Communication
+from ahmss.main.enabling import not_enabled
 from ahmss.main.order import Order
 from ahmss.main.telling import told
 
@@ -24,8 +26,14 @@ class Hearing:
         note: is told in one line what an algorithm wants the person to know.
     """
 
-    def __init__(self, communication: Communication, say: Callable[[str], None], note: Callable[[str], None]) -> None:
-        self._communication = communication
+    def __init__(
+        self,
+        workspace: Workspace,
+        communication: Communication,
+        say: Callable[[str], None],
+        note: Callable[[str], None],
+    ) -> None:
+        self._workspace, self._communication = workspace, communication
         self.say, self.note = say, note
         self.failures = 0
 
@@ -46,6 +54,11 @@ class Hearing:
         except KeyError:
             self.say(f"an algorithm changes the state of object {state.object}, which is not in the world")
             return
+        objects = self._communication.objects
+        now = objects[record.name].states
+        news = {key: value for key, value in state.states.items() if isinstance(value, str) and now.get(key) != value}
+        for sentence in not_enabled(self._workspace, objects, record.name, news) if news else ():
+            self.note(sentence)
         self._communication.set_states(record.name, state.states)
 
 

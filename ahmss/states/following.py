@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from ahmss.errors import WorldError
 from ahmss.states.behaviour import Behaviour, Consequence
 
-__all__ = ["Change", "follow"]
+__all__ = ["Change", "Value", "beside", "follow", "in_words", "wired_to"]
 
 Value = str | float | bool
 Change = tuple[str, str, Value]
@@ -48,7 +48,7 @@ def follow(
             raise WorldError(f"{changes[0][0]} {changes[0][1]}: more than {_MOST} consequences follow from one change")
         if before.get(state) == value:
             continue
-        for owner, one in _consequences(name, states_of, behaviour_of):
+        for owner, one in wired_to(name, states_of, behaviour_of):
             target = beside(owner, one.of)
             known = now.get(target) or states_of(target)
             if known is None or one.state not in known or (target, one.state) in taken:
@@ -60,7 +60,7 @@ def follow(
     return done
 
 
-def _consequences(
+def wired_to(
     name: str, states_of: Callable[[str], Mapping[str, Value] | None], behaviour_of: Callable[[str], Behaviour]
 ) -> Iterator[tuple[str, Consequence]]:
     """What may follow from a change of an object: its own, and those that what contains it names it in."""
@@ -91,10 +91,11 @@ def _happens(one: Consequence, state: str, before: Mapping[str, Value], after: M
     source = bool(one.source) and one.source == state
     if one.when is None:
         return source
-    return one.when.holds(_words(after)) and (source or not one.when.holds(_words(before)))
+    return one.when.holds(in_words(after)) and (source or not one.when.holds(in_words(before)))
 
 
-def _words(states: Mapping[str, Value]) -> dict[str, str | float]:
+def in_words(states: Mapping[str, Value]) -> dict[str, str | float]:
+    """States as conditions ask for them."""
     return {name: value for name, value in states.items() if not isinstance(value, bool)}
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,8 +19,10 @@ from ahmss.main.afforded import Actor, meant, why_not
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.database import Database
+from ahmss.main.enabling import not_enabled
 from ahmss.main.listing import list_workspace
 from ahmss.main.passing import taking
+from ahmss.main.who_reaches import who_reaches
 from ahmss.world.schema import ObjectRecord
 
 SHIPPED = Workspace(Path(__file__).resolve().parents[2])
@@ -240,3 +244,35 @@ def test_what_is_carried_between_both_hands_is_not_handed_over_but_put_down_for_
     with pytest.raises(CommandError, match=told):
         taking(SHIPPED, carton)
     assert taking(SHIPPED, replace(carton, name="cup", kind="cup"))[1].name == "grasp"
+
+
+def test_what_is_not_enabled_names_what_enables_it() -> None:
+    room = Room(kind="control_room")
+    key, pump = "control_room/key_switch", "control_room/pump"
+
+    def told(button: str) -> list[str]:
+        return list(not_enabled(SHIPPED, room.objects, f"control_room/panel/{button}", {"position": "in"}))
+
+    assert told("button_1") == [
+        f"{pump} running stays as it is, since {pump} enabled is no; `do key_switch turn position=on` first"
+    ]
+    assert told("button_2") == told("button_5") == told("button_10") == []  # nothing to stop, or to acknowledge
+    assert why_not(meant(SHIPPED, room, key, "turn"), ken()).endswith(f"cover is closed; `do {key} open` first")  # type: ignore[arg-type]
+    assert why_not(meant(SHIPPED, room, key, "close"), ken()).endswith("only when cover == open; cover is closed")  # type: ignore[arg-type]
+    room.objects[pump] = replace(room.objects[pump], states=room.objects[pump].states | {"enabled": "yes"})
+    assert told("button_1") == []
+
+
+def test_who_could_is_named_where_something_is_too_high() -> None:
+    class Two(Room):
+        def body(self, name: str) -> SimpleNamespace:
+            return SimpleNamespace(skeleton=SHIPPED.humans.get(name).skeleton)
+
+    room, aiko = Two(), SHIPPED.humans.get("aiko").skeleton
+    rotations, root = aiko.upright()
+    actor, what = Actor("aiko", aiko, root, rotations, {}), meant(SHIPPED, room, "room/cup", "reach")  # type: ignore[arg-type]
+    for name in ("ken", "aiko"):
+        room.objects[name] = ObjectRecord(-1, name, "human", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    for height, ends in ((1.8, "aiko reaches 1.78 m; ken reaches it"), (2.5, "aiko reaches 1.78 m")):
+        high = dataclasses.replace(what, pose=np.array([0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0]))
+        assert who_reaches(why_not(high, actor), room, high, actor).endswith(ends)  # type: ignore[arg-type]
