@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.body import components
 from ahmss.body.arm import Arm, Wrist, angles_of, excess, hand_angles, with_hand, wrist_of
@@ -24,7 +25,10 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import between, conjugate, multiply, rotate, to_rotation_vector
 from ahmss.body.taut import corridor, taut_string
 
-__all__ = ["Way", "begun_at", "carried_sides", "continuous", "ease_hand", "follow"]
+__all__ = ["SWINGS", "Way", "begun_at", "carried_sides", "continuous", "ease_hand", "follow"]
+
+SWINGS = np.radians(np.arange(-180.0, 180.0, 7.5))
+"""The swings of the elbow of which one may ask whether they serve, radians."""
 
 STEP = np.radians(6.0)
 """The usual most that the elbow swings from one frame to the next: a turn a second at 60 frames."""
@@ -59,7 +63,14 @@ class Way:
         return np.unwrap(angles, axis=0)
 
 
-def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP, softly: int = 0) -> Way:
+def follow(
+    arm: Arm,
+    wrist: Wrist,
+    present: Array,
+    step: float = STEP,
+    softly: int = 0,
+    serves: NDArray[np.bool_] | None = None,
+) -> Way:
     """The arm along a path of wrist poses that begins at the present arm, without jumps wherever that is possible.
 
     Args:
@@ -69,12 +80,16 @@ def follow(arm: Arm, wrist: Wrist, present: Array, step: float = STEP, softly: i
         step: the most that the elbow swings from frame to frame, radians; also how fast a hand comes back that could
             not be turned as asked.
         softly: how many frames it takes until the elbow may swing so fast, and a limit is come back to so fast.
+        serves: of a single arm which of the `SWINGS` serve (F, 48), as they are out of things: where any within the
+            limits does, the elbow keeps to those.
     """
     frames = len(wrist.place)
     paces = np.minimum(np.arange(1.0, frames + 1.0) / (softly + 1.0), 1.0)
     swing = swing_of(arm, wrist, carried_sides(arm, wrist.place, present))
     limits = begun_at(limits_of(arm), present, np.cumsum(paces) - paces[0])
     arcs, whole_hand = _arcs(swing, limits)
+    if serves is not None:
+        arcs = _kept_to(arcs, serves)
     batch = swing.bend.shape[1:]
     phi, jumps = np.empty((frames, *batch)), np.zeros((frames, *batch), bool)
     for item in np.ndindex(batch):
@@ -135,6 +150,26 @@ def _arcs(swing: Swing, limits: Array) -> tuple[Array, Any]:
         arcs[rest] = np.nan
         arcs[rest, : of_shoulder.shape[-2]] = of_shoulder
     return arcs, whole_hand
+
+
+def _kept_to(arcs: Array, serve: NDArray[np.bool_]) -> Array:
+    """Of arcs (F, n, 2) what lies between neighbours of `SWINGS` that serve (F, 48); all where none does."""
+    begin, end = arcs[..., :1], arcs[..., 1:]
+    off = np.mod(SWINGS - begin, 2.0 * np.pi)
+    good = serve & (off <= end - begin).any(axis=1)  # nan: no arc
+    kept: list[list[tuple[float, float]]] = []
+    for frame, row in enumerate(good):
+        if row.all() or not row.any():
+            kept.append([(float(a), float(b)) for a, b in arcs[frame] if not np.isnan(a)])
+            continue
+        first = int(np.flatnonzero(~row)[0])  # from where no run is cut in two
+        turned, swings = np.roll(row, -first), np.unwrap(np.roll(SWINGS, -first))
+        edges = np.flatnonzero(np.diff(turned.astype(int), prepend=0, append=0))
+        kept.append([(float(swings[a]), float(swings[b - 1])) for a, b in edges.reshape(-1, 2)])
+    out = np.full((len(arcs), max(map(len, kept)), 2), np.nan)
+    for frame, runs in enumerate(kept):
+        out[frame, : len(runs)] = runs
+    return out
 
 
 def _string(arcs: Array, step: float, paces: Sequence[float]) -> tuple[Array, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from ahmss.body.arm import hand_angles, with_hand
@@ -17,16 +18,20 @@ from ahmss.body.quaternion import conjugate, multiply, rotate, to_rotation_vecto
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import Steps
 from ahmss.reaching.bearing import Bearing
+from ahmss.reaching.clear_swings import clear_swings
 from ahmss.reaching.plan import HAND_BY, Plan
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.skin import arm_skin
+from ahmss.reaching.skin import arm_skin, bare_arm
 from ahmss.reaching.twist import handed_back, untwisted
 
-__all__ = ["AIMED", "FASTEST", "ArmOnWay", "farther", "fastest_of", "solved"]
+__all__ = ["AIMED", "FASTEST", "SUNK", "ArmOnWay", "farther", "fastest_of", "solved", "swung_clear"]
 
 FASTEST = np.radians(6.0)
 """What a joint turns in a frame at the most, where that can be helped."""
+
+SUNK = 0.002
+"""Metres that an arm may be in things, where there is no other way."""
 
 AIMED = 0.88 * FASTEST
 """What is aimed at for that: what is shown goes on from how the body moves, and catches up."""
@@ -48,7 +53,8 @@ _SOFT, _RAMP = 3.0, 8  # frames: over which a hand that meets a limit is slowed 
 class ArmOnWay:
     """The plan that it follows, its links (F, 3, 4), the palms (F, 7) that it has, and the rest as of `Performed`.
 
-    fastest is of all frames, paced of those on the way.
+    fastest is of all frames, paced of those on the way. sunk: metres by which the skin of the arm, but for the hand, is
+    in things that are not sought, in any frame.
     """
 
     plan: Plan
@@ -59,16 +65,17 @@ class ArmOnWay:
     paced: float
     beyond: float
     deep: float = 0.0
+    sunk: float = 0.0
 
     @property
     def flaw(self) -> float:
-        """How bad it is, 0: it is fine."""
+        """How bad it is on its way, 0: it is fine; in what it is sunk as it is there no other way helps."""
         return self._worse_than(FASTEST)
 
     @property
     def strain(self) -> float:
-        """The same by what is aimed at: of two ways one takes that which has less."""
-        return self._worse_than(AIMED)
+        """The same by what is aimed at, and how far it is sunk: of two ways one takes that which has less."""
+        return self._worse_than(AIMED) + (self.sunk / _DEEP if self.sunk > SUNK else 0.0)
 
     def _worse_than(self, fastest: float) -> float:
         too_fast = max(self.fastest - fastest, 0.0)
@@ -77,13 +84,33 @@ class ArmOnWay:
 
 def solved(plan: Plan, body: Bearing, then: Array) -> Steps[ArmOnWay]:
     """The arm on a plan's way, and then after palms (m, 7) that follow."""
-    n = len(body.time) - len(then)
-    arm = yield from _reached(plan, body, _asked(plan, body, then), n)
+    n, palms = len(body.time) - len(then), _asked(plan, body, then)
+    arm = yield from _reached(plan, body, palms, n)
     near = [prism for prism in plan.near if not prism.sought]
     if not near:
         return arm
     yield
-    return replace(arm, deep=_touch(plan.reacher, near, body, arm, n))
+    return _touching(near, body, arm, n)
+
+
+def swung_clear(arm: ArmOnWay, body: Bearing, then: Array) -> Steps[ArmOnWay]:
+    """The same arm, its elbow swung out of what it is sunk in, as far as that makes it better."""
+    if arm.sunk <= SUNK:
+        return arm
+    plan, n, palms = arm.plan, len(body.time) - len(then), _asked(arm.plan, body, then)
+    near = [prism for prism in plan.near if not prism.sought]
+    wrist = plan.reacher.wrist(palms, body.spine)
+    serve = yield from clear_swings(plan.reacher, wrist, _present(plan), body.spine, near)
+    yield
+    other = yield from _reached(plan, body, palms, n, serve)
+    yield
+    return min(arm, _touching(near, body, other, n), key=lambda one: one.strain)
+
+
+def _touching(near: Sequence[Prism], body: Bearing, arm: ArmOnWay, n: int) -> ArmOnWay:
+    """The arm, and how deep it is in things."""
+    reacher = arm.plan.reacher
+    return replace(arm, deep=_touch(reacher, near, body, arm, n), sunk=_sunk(reacher, near, body, arm))
 
 
 def farther(plan: Plan, body: Bearing) -> list[Plan]:
@@ -111,12 +138,13 @@ def _asked(plan: Plan, body: Bearing, then: Array) -> Array:
     return _within_reach(plan.reacher, palms, body.spine, body.time)
 
 
-def _reached(plan: Plan, body: Bearing, palms: Array, n: int) -> Steps[ArmOnWay]:
-    """The arm after palms (F, 7), of which the first n are on the way."""
-    reacher = plan.reacher
-    present, _ = untwisted(reacher.arm.from_pose(plan.start.rotations[reacher.links]))
+def _reached(
+    plan: Plan, body: Bearing, palms: Array, n: int, serve: NDArray[np.bool_] | None = None
+) -> Steps[ArmOnWay]:
+    """The arm after palms (F, 7), of which the first n are on the way, its elbow on such of the `SWINGS` as serve."""
+    reacher, present = plan.reacher, _present(plan)
     wrist = reacher.wrist(palms, body.spine)
-    way = follow(reacher.arm, wrist, present, softly=_SOFTLY)
+    way = follow(reacher.arm, wrist, present, softly=_SOFTLY, serves=serve)
     if way.jumps.any():
         yield
         way = yielding(reacher.arm, wrist, present, _SWING, _SOFTLY)
@@ -125,12 +153,18 @@ def _reached(plan: Plan, body: Bearing, palms: Array, n: int) -> Steps[ArmOnWay]
         if made.fastest <= AIMED:
             break
         yield
-        way = follow(reacher.arm, wrist, present, step, _SOFTLY)
+        way = follow(reacher.arm, wrist, present, step, _SOFTLY, serve)
         if way.jumps.any():
             yield
             way = yielding(reacher.arm, wrist, present, step, _SOFTLY)
         made = min(made, _along(plan, body, palms, way, n), key=lambda one: one.strain)
     return made
+
+
+def _present(plan: Plan) -> Array:
+    """The arm's links (3, 4) as it sets out."""
+    reacher = plan.reacher
+    return untwisted(reacher.arm.from_pose(plan.start.rotations[reacher.links]))[0]
 
 
 def _along(plan: Plan, body: Bearing, palms: Array, way: Way, n: int) -> ArmOnWay:
@@ -191,3 +225,12 @@ def _touch(reacher: Reacher, prisms: Sequence[Prism], body: Bearing, arm: ArmOnW
     leaving = np.where(first < 0.0, 0.4, 0.2)  # what begins in a thing has to come out of it first
     least = np.where(time[:, None] < leaving, first, np.where(time[:, None] > 0.75, last, _AIR))
     return float((least - gap).max())
+
+
+def _sunk(reacher: Reacher, prisms: Sequence[Prism], body: Bearing, arm: ArmOnWay) -> float:
+    """How deep, metres, the skin of upper arm, forearm and palm is in things in any frame, deeper than at first."""
+    seen = body.seen.copy()
+    seen[:, reacher.links] = arm.links
+    points, radii = bare_arm(reacher, seen, body.trunk.root)
+    gap = clearance(prisms, points, float(radii.max())) - radii
+    return float((np.minimum(gap[0], 0.0) - gap).max())

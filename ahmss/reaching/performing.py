@@ -14,7 +14,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX
 from ahmss.motion.steps import Steps
-from ahmss.reaching.arm_on_way import ArmOnWay, farther, fastest_of, solved
+from ahmss.reaching.arm_on_way import ArmOnWay, farther, fastest_of, solved, swung_clear
 from ahmss.reaching.bearing import SHAPED_BY, Bearing, Fingers, bearing_of
 from ahmss.reaching.other_arm import other_arm, out_of_things
 from ahmss.reaching.plan import Plan
@@ -76,7 +76,8 @@ def perform(
     then = _NOTHING_THEN if then is None else then
     body = bearing_of(plan, np.concatenate([time, np.ones(len(then))]), gaze, looked, fingers)
     yield
-    best = yield from solved(plan, body, then)
+    first = yield from solved(plan, body, then)
+    best = yield from swung_clear(first, body, then)
     ways, raises = [*farther(plan, body), *plan.otherwise()], _RAISES
     while best.flaw > 0.0 and (ways or raises):
         yield
@@ -85,6 +86,8 @@ def perform(
         before, best = best, min(best, arm, key=lambda one: one.strain + _DETOUR * one.plan.curve.length)
         if way is None:  # higher, for as long as that helps
             raises = 0 if best is before else raises - 1
+    if best.plan is not first.plan:
+        best = yield from swung_clear(best, body, then)
     yield
     other = (yield from _other_arm(plan, body)) if plan.helped else None
     return _performed(best, body, other, gaze, looked, fingers[0], len(time))

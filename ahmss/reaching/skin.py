@@ -17,7 +17,7 @@ from ahmss.body.quaternion import multiply, rotate
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["MARGIN", "UPPER_ARM", "arm_skin", "gaps", "hand_skin", "skin_of"]
+__all__ = ["ARM", "MARGIN", "UPPER_ARM", "arm_skin", "bare_arm", "gaps", "hand_skin", "limbs", "skin_of"]
 
 MARGIN = 0.02
 """Metres of air that hand and arm keep."""
@@ -25,6 +25,9 @@ MARGIN = 0.02
 _UPPER, _THICK = np.array([0.22, 0.5, 0.75])[:, None], np.array([0.055, 0.045, 0.045])  # of the upper arm; metres
 UPPER_ARM = slice(0, len(_UPPER))
 """Of what `gaps` gives those of the upper arm."""
+
+ARM = slice(0, 8)
+"""Those of upper arm and forearm."""
 
 _FOREARM = np.linspace(0.0, 1.0, 5)[:, None]
 _RADII = np.array([0.042, 0.042, 0.042, 0.04, 0.034])  # metres, from the elbow to the wrist
@@ -81,6 +84,20 @@ def arm_skin(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Ar
     places, _ = forward(rotations, root, reacher.skeleton.offsets)
     shoulder, elbow = places[..., None, reacher.links.start, :], places[..., None, reacher.links.start + 1, :]
     return np.concatenate([points, shoulder + _UPPER * (elbow - shoulder)], axis=-2), np.concatenate([radii, _THICK])
+
+
+def limbs(shoulder: Array, elbow: Array, wrist: Array) -> tuple[Array, Array]:
+    """Points (..., 8, 3) in upper arm and forearm between joints (..., 3), and how thick skin is around them (8,)."""
+    upper = shoulder[..., None, :] + _UPPER * (elbow - shoulder)[..., None, :]
+    lower = elbow[..., None, :] + _FOREARM * (wrist - elbow)[..., None, :]
+    return np.concatenate([upper, lower], axis=-2), np.concatenate([_THICK, _RADII])
+
+
+def bare_arm(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """Those of poses (..., 43, 4)."""
+    places, _ = forward(rotations, root, reacher.skeleton.offsets)
+    first = reacher.links.start
+    return limbs(places[..., first, :], places[..., first + 1, :], places[..., first + 2, :])
 
 
 def hand_skin(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array]:

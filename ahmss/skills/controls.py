@@ -8,14 +8,12 @@ controls share, and an author may use.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.reaching.goal import Goal
@@ -23,6 +21,8 @@ from ahmss.reaching.leaning import Stretch, stretch_of
 from ahmss.reaching.plan import Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
+from ahmss.skills.arm_clear import standing_about, sunk_at
+from ahmss.skills.before_it import around_it, before, front_of
 from ahmss.skills.begun import begun_at
 from ahmss.skills.box import Box, boxes_of, nearest
 from ahmss.skills.out_of_reach import EXACT, MOST_MISSING
@@ -32,21 +32,20 @@ from ahmss.skills.stands import is_taken, stance_at, standing
 from ahmss.skills.stepping import ground_of, stepped, walk_library
 from ahmss.walking import goals
 from ahmss.walking.journey import Standing, footing
-from ahmss.walking.obstacles import NEAREST, Obstacles, nearest_free
+from ahmss.walking.obstacles import NEAREST, Obstacles
 
 __all__ = [
-    "NEAR", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "stood_before", "stretch_from",
+    "NEAR", "around_it", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "stood_before",
+    "stretch_from",
 ]  # fmt: skip
 
 NEAR = 0.6
 """Metres from a control within which others are looked at."""
 
 _UP = np.array([0.0, 0.0, 1.0])
-_Y = np.array([0.0, 1.0, 0.0])
 _SKIN, _NEARLY = 0.012, 0.002  # metres that the bones of a hand keep from what is beside a control
 _FAR = 0.05  # metres: what is farther is as clear as can be
 _FLAT = 0.004  # metres: what is no higher is in nobody's way
-_CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
 _AWAY = (0.54, 0.62, 0.46, 0.7, 0.38, 0.3)  # metres from the control to who stands before it, level; the best first
 _ASIDE = 0.14  # metres that the hand's own side is before the control
 _BESIDE = tuple(
@@ -59,6 +58,8 @@ _AT_EASE, _FROM_HERE = (
 _FACING = np.radians(55.0)  # that a control is aside of who uses it from where they stand
 _SEEN_FROM = np.cos(np.radians(70.0))  # how far aside of a control's axis one may stand to use it
 _MOST = 12.0  # metres that are walked to a control
+_SUNK = 1000.0  # what a metre costs that an arm is in what a control is on
+_LOW = 0.5  # of the hips' height: who is taller reaches no better what is under it
 _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
 _SPARSE = 3  # every so many palms show how easily an arm comes there
 
@@ -83,30 +84,6 @@ def clear_of(boxes: Sequence[Box], palms: Array, points: Array) -> Array:
 def in_the_way(task: HumanTask) -> list[Prism]:
     """What a hand on its way to a control keeps clear of: what stands about, its neighbours among that."""
     return [prism for prism in prisms_of(task) if not prism.sought and prism.high - prism.low > _FLAT]
-
-
-def front_of(control: Transform) -> Array:
-    """The level direction (2,), unit, in which one stands before a control."""
-    y = rotate(control.rotation, _Y)
-    front = np.array([y[1], -y[0]])  # y cross up
-    length = float(np.linalg.norm(front))
-    if length < 0.3:  # turned on its side: where it looks
-        front = rotate(control.rotation, np.array([1.0, 0.0, 0.0]))[:2]
-        length = float(np.linalg.norm(front))
-    return front / length if length > 1e-6 else np.array([1.0, 0.0])
-
-
-def before(task: HumanTask, away: float, aside: float = 0.0, front: Array | None = None) -> goals.Goal:
-    """Where one stands so far before the task's control, and so far to the left of it, clear of what stands about.
-
-    front: (2,) the level way from it to where one stands, of length 1; None: out of it.
-    """
-    assert task.object is not None
-    front = front_of(task.object.frame) if front is None else front
-    left = np.array([front[1], -front[0]])  # of who looks at it
-    wanted = task.object.place[:2] + away * front + aside * left
-    free = nearest_free(wanted, ground_of(task).outlines, _CLEAR)
-    return goals.Goal(free, float(np.arctan2(-front[1], -front[0])))
 
 
 def stood_before(
@@ -206,13 +183,18 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
         AlgorithmError: nowhere; says by how much it is too short.
     """
     assert task.object is not None
-    found = yield from _easiest(task, goal, itertools.product((_ASIDE,), _AWAY), ())
+    taken, plates = standing(task), standing_about(task)
+    found = yield from _easiest(task, goal, _before_it(task, goal), plates)
     assert found is not None
-    stand, taken = found[0], standing(task)
+    if found[3]:  # the arm would be in what the control is on: from beside it, facing it, perhaps not
+        around = [(side, stand) for stand in around_it(task) for side in _sides(task, goal)]
+        other = yield from _easiest(task, goal, around, plates)
+        found = other if other is not None and other[0] < found[0] else found
+    stand = found[1]
     if is_taken(stand, taken):
-        beside_them = yield from _easiest(task, goal, _BESIDE, taken)
+        beside_them = yield from _easiest(task, goal, _before_it(task, goal, _BESIDE), plates, taken)
         if beside_them is not None:
-            there, arm = beside_them
+            _, there, arm, _ = beside_them
             if arm.found and arm.stretched < _FROM_HERE:
                 return there
             if (yield from _leant(task, there, goal, prisms))[1].missing <= EXACT:
@@ -222,9 +204,18 @@ def _best_stand(task: HumanTask, goal: Goal, prisms: Sequence[Prism]) -> Steps[g
         x, y = stand.place.tolist()
         raise AlgorithmError(
             f"{task.object.name} is out of reach: the {side} arm is {arm.missing:.2f} m too short for it, even "
-            f"from where one stands nearest to it, at {x:.2f} {y:.2f}; have somebody taller do it, or move it"
+            f"from where one stands nearest to it, at {x:.2f} {y:.2f}; {_instead(task)}"
         )
     return stand
+
+
+def _instead(task: HumanTask) -> str:
+    """What to do where a control is out of reach."""
+    assert task.object is not None
+    height = float(task.object.place[2])
+    if height < _LOW * task.start.root[2]:
+        return f"it is only {height:.2f} m high: move it higher"
+    return "have somebody taller do it, or move it"
 
 
 def _leant(task: HumanTask, stand: goals.Goal, goal: Goal, prisms: Sequence[Prism]) -> Steps[tuple[str, Stretch]]:
@@ -234,29 +225,44 @@ def _leant(task: HumanTask, stand: goals.Goal, goal: Goal, prisms: Sequence[Pris
     return reacher.side, arm
 
 
+def _before_it(
+    task: HumanTask, goal: Goal, places: Iterable[tuple[float, float]] = tuple(itertools.product((_ASIDE,), _AWAY))
+) -> Iterator[tuple[str, goals.Goal]]:
+    """Hands, and for each where one stands, so far to the hand's other side and so far away, facing as the control."""
+    places = list(places)
+    for side in _sides(task, goal):
+        for aside, away in places:
+            yield side, before(task, away, aside if side == "right" else -aside)
+
+
 def _easiest(
-    task: HumanTask, goal: Goal, places: Iterable[tuple[float, float]], taken: Sequence[Array]
-) -> Steps[tuple[goals.Goal, Stretch] | None]:
-    """Of places, so far to the hand's other side and so far away, the best, and how the arm comes from there.
+    task: HumanTask,
+    goal: Goal,
+    stands: Iterable[tuple[str, goals.Goal]],
+    plates: Sequence[Prism],
+    taken: Sequence[Array] = (),
+) -> Steps[tuple[float, goals.Goal, Stretch, float] | None]:
+    """Of hands and stands the best: what it costs, how the arm comes from there, and how deep it is in plates, metres.
 
     None: all are too near to those taken.
     """
-    best: tuple[float, goals.Goal, Stretch] | None = None
-    places = list(places)
-    for side in _sides(task, goal):
-        sign = 1.0 if side == "right" else -1.0
-        for aside, away in places:
-            stand = before(task, away, sign * aside)
-            if is_taken(stand, taken):
-                continue
-            arm = yield from _stretch(task, stance_at(task, stand), goal, (side,))
-            worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
-            if best is None or worth < best[0]:
-                best = worth, stand, arm
-            if arm.found and arm.stretched < _AT_EASE:
-                break
+    best: tuple[float, goals.Goal, Stretch, float] | None = None
+    served = ""
+    for side, stand in stands:
+        if side == served or is_taken(stand, taken):
+            continue
+        reaching = stance_at(task, stand)
+        arm = yield from _stretch(task, reaching, goal, (side,))
+        deep = sunk_at(reaching, {side: reaching.palms(Reacher.of(task.human, side), goal)}, goal.place, plates)
+        worth = arm.cost + 40.0 * max(arm.stretched - _AT_EASE, 0.0) + (0.0 if arm.found else 20.0)
+        worth += _SUNK * deep
+        if best is None or worth < best[0]:
+            best = worth, stand, arm, deep
+        if arm.found and arm.stretched < _AT_EASE and not deep:
+            served = side
+        else:
             yield
-    return None if best is None else best[1:]
+    return best
 
 
 def stretch_from(task: HumanTask, stand: goals.Goal, goal: Goal) -> Steps[Stretch]:

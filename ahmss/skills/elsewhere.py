@@ -6,7 +6,7 @@ Nobody goes anywhere in vain: what would come of it is worked out before the ste
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from typing import TypeVar
 
 import numpy as np
@@ -16,7 +16,9 @@ from ahmss.body.array import Array
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.reaching.plan import Reaching
-from ahmss.skills.controls import before, begun_at, gone_to
+from ahmss.skills.arm_clear import standing_about
+from ahmss.skills.begun import begun_at
+from ahmss.skills.controls import around_it, before, gone_to
 from ahmss.skills.reaching import Looking
 from ahmss.skills.stands import is_taken, stance_at, standing
 from ahmss.walking import goals
@@ -27,6 +29,7 @@ Worked = TypeVar("Worked")
 Attempt = Callable[[HumanTask, Looking, Worked | None], Generator[Array, None, Worked]]
 _MOST = 5  # stands from which it is tried
 _CLEAN = 0.006  # metres: what is amiss by less is as good as can be
+_AMISS, _WORTH = 0.01, 0.004  # metres amiss from which on it is tried elsewhere, and by which that is to be better
 _ASIDE = (0.14, -0.14, 0.3, -0.3, 0.0, 0.44, -0.44, 0.58, -0.58)  # metres that one stands aside of it
 _AWAY = (0.54, 0.46, 0.62, 0.38)  # metres before it
 _SAME = 0.08  # metres: stands so near to each other are one
@@ -38,8 +41,9 @@ def or_elsewhere(
     attempt: Attempt[Worked],
     worth: Callable[[Reaching], float],
     flaw: Callable[[Worked], float],
+    amiss: Callable[[Worked], float] = lambda _: 0.0,
 ) -> Generator[Array, None, tuple[HumanTask, Looking, Worked]]:
-    """What an attempt comes to from where one stands; where it is refused, from elsewhere, after steps to there.
+    """What an attempt comes to from where one stands; where it is refused, or much amiss, from elsewhere, after steps.
 
     Of the places from where it comes off that with the least flaw; it is looked no further where that is next to none.
 
@@ -48,17 +52,20 @@ def or_elsewhere(
         attempt: works it out in frames (1, 260) in which only the gaze moves, for who stands as the task begins; of
             what it came to when it was thought of from there, if it was, it makes the same again where that serves.
         worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't.
-        flaw: metres by which what an attempt comes to is amiss.
+        flaw: metres by which what an attempt comes to is amiss. amiss: those for which one would rather go elsewhere.
 
     Raises:
         AlgorithmError: it is refused from everywhere; as it was from here.
     """
+    here, refused = None, None
     try:
-        return task, gaze, (yield from attempt(task, gaze, None))
+        here = yield from attempt(task, gaze, None)
     except AlgorithmError as error:
         if task.library is None:
             raise
         refused = error
+    if here is not None and (task.library is None or amiss(here) <= _AMISS):
+        return task, gaze, here
     thought: list[tuple[float, goals.Goal, Worked]] = []
     for stand in (yield from gaze.during(_stands(task, worth))):
         worked = yield from _thought_of(task, stand, gaze, attempt)
@@ -66,13 +73,17 @@ def or_elsewhere(
             thought.append((flaw(worked), stand, worked))
             if thought[-1][0] <= _CLEAN:
                 break
-    for _, stand, worked in sorted(thought, key=lambda one: one[0]):
+    thought.sort(key=lambda one: one[0])
+    if here is not None and (not thought or thought[0][0] > amiss(here) - _WORTH):
+        return task, gaze, here
+    for _, stand, worked in thought:
         task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where a hand has room")
         task, gaze = yield from gone_to(task, stand, gaze)
         try:
             return task, gaze, (yield from attempt(task, gaze, worked))
-        except AlgorithmError:  # who comes there does not stand just as was thought
-            continue
+        except AlgorithmError as error:  # who comes there does not stand just as was thought
+            refused = refused or error
+    assert refused is not None
     raise refused
 
 
@@ -98,8 +109,7 @@ def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[g
     """Where else one might stand, the best first."""
     taken, found = standing(task), list[tuple[float, goals.Goal]]()
     places = [task.start.root[:2]]
-    for away, aside in itertools.product(_AWAY, _ASIDE):
-        stand = before(task, away, aside)
+    for stand in _all_around(task):
         if is_taken(stand, taken) or _near(stand, places):
             continue
         places.append(stand.place)
@@ -107,6 +117,15 @@ def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[g
         yield
     found = [one for one in found if one[0] > -np.inf]
     return [stand for _, stand in sorted(found, key=lambda one: -one[0])][:_MOST]
+
+
+def _all_around(task: HumanTask) -> Iterator[goals.Goal]:
+    """Places before the control, facing as it does; where an arm may be in what it is on, beside it, too, facing it."""
+    assert task.object is not None
+    for away, aside in itertools.product(_AWAY, _ASIDE):
+        yield before(task, away, aside)
+    if standing_about(task):
+        yield from around_it(task)
 
 
 def _near(stand: goals.Goal, places: list[Array]) -> bool:

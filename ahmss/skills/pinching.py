@@ -25,6 +25,7 @@ from ahmss.reaching.going_on import GoingOn
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
+from ahmss.skills.arm_clear import beyond, refuse_sunk, standing_about, sunk_at, sunk_in
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.box import Box
 from ahmss.skills.clearing import KEEPS, WITHIN, gap_of, refuse_touching
@@ -96,7 +97,7 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         name = "it" if task.object is None else task.object.name
         raise AlgorithmError(f"thumb and fingers can't close on {name} there; give the site another rotation")
     ways = yield from approaches(task, part, taken, boxes, gaze)
-    prisms = in_the_way(task)
+    prisms, plates = in_the_way(task), standing_about(task)
     goal = Goal(part.site.place, palms=ways[0].clear)
     task, gaze = yield from stood_before(task, goal, prisms, gaze)
 
@@ -107,11 +108,15 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         return _worked_out(task, ways, other, taken, prisms, boxes, gaze, first)
 
     def worth(reaching: Reaching) -> float:
-        """Metres that a hand would have to spare which comes there from so."""
+        """Metres that a hand would have to spare which comes there from so, less those that its arm is in plates."""
         found = lasting(reaching, ways, 1)
-        return min(found[0].gap, KEEPS) if found else -np.inf
+        if not found:
+            return -np.inf
+        return min(found[0].gap, KEEPS) - sunk_at(reaching, found[0].clear, part.site.place, plates)
 
-    task, gaze, (best, is_last) = yield from or_elsewhere(task, gaze, attempt, worth, lambda worked: worked[0].flaw)
+    task, gaze, (best, is_last) = yield from or_elsewhere(
+        task, gaze, attempt, worth, lambda worked: worked[0].flaw, lambda worked: worked[0].touches
+    )
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
@@ -174,17 +179,20 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
     if touching := _touching(task, tried):
         raise touching
     refuse_short(task, tried.plan, tried.short)
+    refuse_sunk(task, tried.plan, *_shown(tried.made, tried.back(task)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
     """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
 
-    on_part: how much of them while the hand is on the part. short: by how many the arm is too short for the part. way:
-    that of its hand alone. perform: makes a plan's frames anew.
+    touches: how much of them is that it comes too near to what is beside the part. on_part: how much of them while the
+    hand is on the part. short: by how many the arm is too short for the part. way: that of its hand alone. perform:
+    makes a plan's frames anew.
     """
 
     flaw: float
+    touches: float
     on_part: float
     short: float
     way: Approach
@@ -260,15 +268,18 @@ def _tried(
         shown = _shown(made, back)
         far = _REFUSED if short(plan, made) > EXACT else 0.0
         deep = max(_deep(task, part, plan, made, back, in_part) - _DEEP, 0.0) + rest.depth(side, *shown)
+        deep += beyond(sunk_in(task, side, *shown)[0])
         return far + missed(plan, made) + crowding(task, made, side) + deep + touched(plan, *shown)
 
     def on_part(plan: Plan, made: Performed) -> float:
         on = np.flatnonzero(_moved(task, part, plan.palm)[1] > 0.0)
         on += len(made.root) - len(_moved(task, part, plan.palm)[1])
-        return missed(plan, made) + touched(plan, made.rotations[on], made.root[on])
+        sunk = beyond(sunk_in(task, plan.reacher.side, made.rotations, made.root)[0])
+        return missed(plan, made) + touched(plan, made.rotations[on], made.root[on]) + (_REFUSED if sunk else 0.0)
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
-    amiss = flaw(plan, made), on_part(plan, made), short(plan, made)
+    touches = touched(plan, *_shown(made, _back(task, part, plan, made)))
+    amiss = flaw(plan, made), touches, on_part(plan, made), short(plan, made)
     return _Tried(*amiss, way.by(plan.reacher.side), plan, made, perform)
 
 

@@ -8,7 +8,7 @@ with a travel takes 150 to 300 ms to press.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -21,19 +21,14 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.handpoints import hand_points
-from ahmss.reaching.performing import Performed
-from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.box import Box
-from ahmss.skills.controls import beside, clear_of, front_of, in_the_way, stood_before
-from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.by_fingertip import Touching, by_fingertip
+from ahmss.skills.controls import beside, clear_of, front_of, in_the_way
 from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.off_target import off_target
-from ahmss.skills.out_of_reach import EXACT, refuse_short
-from ahmss.skills.reaching import performed, sides_of
-from ahmss.skills.smoothest import smoothest
+from ahmss.skills.reaching import sides_of
 
 TRAVEL = 0.004  # metres, where neither parameter nor property says
 BEFORE, BACK = 0.035, 0.06  # metres before the face at which the finger is set, and to which it is drawn back
@@ -56,28 +51,9 @@ def _press(task: HumanTask) -> Iterator[Array]:
     out = rotate(site.rotation, np.array([1.0, 0.0, 0.0]))
     boxes = beside(task)
     palms = {side: _palms(task, side, out, boxes) for side in sides_of(task)}
-    goal, prisms = Goal(site.place, palms=palms), in_the_way(task)
-    task, gaze = yield from stood_before(task, goal, prisms)
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
-
-    def perform(plan: Plan) -> Generator[Array, None, Performed]:
-        side = plan.reacher.side
-        return performed(
-            task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), _pushed(task, plan.palm, out)
-        )
-
-    def off(plan: Plan, made: Performed) -> float:
-        pushed = _pushed(task, plan.palm, out)
-        touching = (plan.palm[:3] - pushed[:, :3]) @ out >= BEFORE
-        return off_target(task, plan, made, pushed, touching, site.place + BEFORE * out)
-
-    def touches(plan: Plan, made: Performed) -> float:
-        return crowding(task, made, plan.reacher.side) + max(off(plan, made) - EXACT, 0.0)
-
-    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, BEFORE * out, perform, touches)
-    if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
-        made = yield from perform(plan)  # the eyes have gone on
-    refuse_short(task, plan, off(plan, made))
+    goal = Goal(site.place, palms=palms)
+    touching = Touching(goal, BEFORE * out, out, site.place, lambda palm: _pushed(task, palm, out), in_the_way(task))
+    task, plan, made = yield from by_fingertip(task, touching)
     rows = rows_made(task, made)
     pushes = len(_pushed(task, plan.palm, out))
     if task.parameter("returns", False):

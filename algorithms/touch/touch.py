@@ -8,7 +8,7 @@ in the time that Fitts's law gives. The object's properties say how large the sc
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,22 +16,15 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, WorldObject, run
 from ahmss.algorithm.haste import least
 from ahmss.body.array import Array
-from ahmss.body.links import fingers
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
-from ahmss.reaching.performing import Performed
-from ahmss.reaching.plan import Plan, Reaching
-from ahmss.reaching.pointing import palms_pointing, pointing
+from ahmss.reaching.pointing import palms_pointing
 from ahmss.skills.at_ease import at_ease
-from ahmss.skills.controls import in_the_way, stood_before
-from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.by_fingertip import Touching, by_fingertip
 from ahmss.skills.keeping import kept_clear
-from ahmss.skills.off_target import off_target
-from ahmss.skills.out_of_reach import EXACT, refuse_short
-from ahmss.skills.reaching import Looking, performed, prisms_of, sides_of
-from ahmss.skills.smoothest import smoothest
+from ahmss.skills.reaching import Looking, prisms_of, sides_of
 
 BEFORE, BACK = 0.035, 0.045  # metres before the glass at which the finger is set, and to which it is drawn back
 ONTO = 0.0003  # metres that the pad gives way
@@ -58,26 +51,12 @@ def _touch(task: HumanTask) -> Iterator[Array]:
     middle = 0.5 * (begin + end)
     palms = {side: palms_pointing(task.human, side, middle, -out) for side in _sides(task, middle)}
     goal = Goal(middle, palms=palms)
-    task, gaze = yield from stood_before(task, goal, in_the_way(task), Looking(task, middle))
-    reaching = Reaching(task.human, task.start.rotations, task.start.root)
-    before = BEFORE * out + begin - middle
 
-    def perform(plan: Plan) -> Generator[Array, None, Performed]:
-        side, drawn = plan.reacher.side, _in_time(task, _drawn(task, plan.palm, out, end - begin))
-        return performed(task, reaching, plan, gaze, (list(fingers(side)), pointing(side)), drawn)
+    def drawn(palm: Array) -> Array:
+        return _in_time(task, _drawn(task, palm, out, end - begin))
 
-    def off(plan: Plan, made: Performed) -> float:
-        drawn = _in_time(task, _drawn(task, plan.palm, out, end - begin))
-        touching = (plan.palm[:3] - drawn[:, :3]) @ out >= BEFORE
-        return off_target(task, plan, made, drawn, touching, begin + BEFORE * out)
-
-    def touches(plan: Plan, made: Performed) -> float:
-        return crowding(task, made, plan.reacher.side) + max(off(plan, made) - EXACT, 0.0)
-
-    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms_of(task), before, perform, touches)
-    if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
-        made = yield from perform(plan)  # the eyes have gone on
-    refuse_short(task, plan, off(plan, made))
+    touching = Touching(goal, BEFORE * out + begin - middle, out, begin, drawn, prisms_of(task))
+    task, _, made = yield from by_fingertip(task, touching, Looking(task, middle))
     yield at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets))
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from ahmss.body.arm import Arm, Wrist, excess, hand_angles, links_of, wrist_of
-from ahmss.body.arm_path import STEP, carried_sides, follow
-from ahmss.body.arm_swing import Swing, swing_of
+from ahmss.body.arm_path import STEP, SWINGS, carried_sides, follow
+from ahmss.body.arm_swing import Swing, limits_of, swing_of
+from ahmss.body.arm_swing import allowed as arcs_within
 from ahmss.body.quaternion import conjugate, multiply, slerp, to_rotation_vector
 
 from .test_arm import HUMANS, KEN, random_links, same
@@ -203,3 +204,28 @@ def test_one_path_and_a_batch():
         arm, Wrist(wrist.place.reshape(20, 2, 2, 3), wrist.rotation.reshape(20, 2, 2, 4)), before.reshape(2, 2, 3, 4)
     )
     assert np.allclose(shaped.links.reshape(20, 4, 3, 4), batch.links, atol=1e-12)
+
+
+def test_an_elbow_keeps_to_the_swings_that_serve_where_its_limits_allow_one(many):
+    before, wrist, _ = many
+    serve = np.ones((120, len(SWINGS)), bool)
+    serve[60:] = (SWINGS > 0.3) & (SWINGS < 1.5)
+    fine = np.linspace(-np.pi, np.pi, 721)
+    kept = 0
+    for i in range(12):
+        own = Wrist(wrist.place[:, i], wrist.rotation[:, i])
+        swing = swing_of(KEN, own, carried_sides(KEN, own.place, before[i]))
+        arcs = arcs_within(swing.measures(), limits_of(KEN))
+        off = np.mod(SWINGS - arcs[..., :1], 2.0 * np.pi)
+        serves = (serve & (off <= arcs[..., 1:] - arcs[..., :1]).any(axis=1)).any(axis=-1)
+        way = follow(KEN, own, before[i], serves=serve)
+        for frame in np.flatnonzero(serves & ~way.jumps)[::7]:
+            if frame < 75:  # it has come there
+                continue
+            one = Swing(
+                *(np.broadcast_to(part[frame], (len(fine), *part[frame].shape)) for part in vars(swing).values())
+            )
+            phi = fine[angle(one.links(fine)[:, 0], way.links[frame, 0]).argmin()]
+            assert 0.2 < phi < 1.6, (i, frame)
+            kept += 1
+    assert kept > 20
