@@ -1,7 +1,6 @@
-"""An arm that uses a control is in nothing that stands about: a console's plate, say, over which it is held.
+"""An arm that uses a control, with its hand, is in nothing that stands about: a console's plate, say, over which it is held.
 
-What is beside a control, and may be touched by fingers, is looked at elsewhere (`clearing`): here it is upper arm and
-forearm, and the things that fill more than a control does.
+What is beside a control is looked at elsewhere (`clearing`): here it is the things that fill more than a control does.
 """
 
 from __future__ import annotations
@@ -18,13 +17,14 @@ from ahmss.reaching.arm_on_way import SUNK
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism, clearance, in_the_way
 from ahmss.reaching.reacher import Reacher, seat
-from ahmss.reaching.skin import ARM, bare_arm, gaps
+from ahmss.reaching.skin import ARM, bare_arm, gaps, hand_skin
 from ahmss.skills.box import filled
 
 __all__ = ["beyond", "refuse_sunk", "standing_about", "sunk_at", "sunk_in"]
 
 _EVERY = 2  # frames that are looked at
 _LARGE = 0.25  # metres across, or high: what is smaller is a control, or as one
+_SLACK = 0.003  # metres by which balls of fingers may be thicker than their skin
 _AT_ONCE = 24  # palms, about, that are looked at
 
 
@@ -38,7 +38,9 @@ def sunk_in(task: HumanTask, side: str, rotations: Array, root: Array) -> tuple[
 
     Below 0, and "", where it is in none.
     """
-    points, radii = bare_arm(Reacher.of(task.human, side), rotations[::_EVERY], root[::_EVERY])
+    reacher, shown = Reacher.of(task.human, side), (rotations[::_EVERY], root[::_EVERY])
+    arm, hand = bare_arm(reacher, *shown), hand_skin(reacher, *shown)
+    points, radii = np.concatenate([arm[0], hand[0]], axis=-2), np.concatenate([arm[1], hand[1] - _SLACK])
     deepest = (-np.inf, "")
     for thing, prisms in _things(task):
         gap = clearance(prisms, points, float(radii.max())) - radii

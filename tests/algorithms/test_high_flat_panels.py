@@ -6,11 +6,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from ahmss.algorithm import Transform, WorldObject
+from ahmss.algorithm import HumanTask, Transform, WorldObject
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import bare_arm
+from ahmss.skills.arm_clear import sunk_in
 from ahmss.skills.box import filled
 
 from .devices import at, begun, device
@@ -51,3 +54,22 @@ def test_the_arm_of_who_presses_far_in_it_is_in_nothing(
         assert float((clearance(filled(WorldObject.of(console)), points) - radii).min()) > -0.004, side
     pad = done.tip("index")[:, :2] - np.array(place)[:2]
     assert float(np.linalg.norm(pad, axis=-1).min()) < 0.02
+
+
+def test_a_finger_in_a_plate_counts_as_the_arm_does() -> None:
+    """A hand that hangs into a low box with its fingers only; it was an index finger, 25 mm in a plate."""
+    body = Body("ken")
+    rotations, root = body.skeleton.upright()
+    fingertip = forward(rotations, root, body.skeleton.offsets)[0][INDEX["right_middle_distal"]]
+    low = {"outline": [[-0.2, 0.0], [0.2, 0.0], [0.2, 1.0], [-0.2, 1.0]], "y": [-0.2, 0.2]}
+    box = msgspec.structs.replace(
+        device("panel", at(float(fingertip[0]), float(fingertip[1]), float(fingertip[2]) - 1.0 + 0.01)),
+        id=20, name="console", properties={"size": [0.4, 0.4, 1.0], "blocks": [low]},
+    )  # fmt: skip
+    button = device("push_button", at(3.0, 0.0, 1.0))
+    task = HumanTask(begun(body, button, "face", {}, world=[box]))
+    away = np.array([[2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    deep, name = sunk_in(task, "right", np.tile(rotations, (3, 1, 1)), root + away)
+    assert 0.01 < deep < 0.06
+    assert name == "console"
+    assert sunk_in(task, "left", np.tile(rotations, (3, 1, 1)), root + away)[0] <= 0.0
