@@ -1,4 +1,4 @@
-"""An arm that uses a control, with its hand, is in nothing that stands about: a console's plate, say, over which it is held.
+"""An arm that uses a control, with its hand, is in nothing that stands about: a console's plate, say, under it.
 
 What is beside a control is looked at elsewhere (`clearing`): here it is the things that fill more than a control does.
 """
