@@ -94,8 +94,8 @@ class WorldObject:
 
     @property
     def frame(self) -> Transform:
-        """The object's frame in the world."""
-        return Transform(self.place, self.rotation)
+        """The object's frame in the world as it is now; it stays so where the object moves on."""
+        return Transform(self.place.copy(), self.rotation.copy())
 
     @property
     def occupied(self) -> tuple[Array, ...]:

@@ -20,10 +20,13 @@ from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import MARGIN, gaps
 
-__all__ = ["Curve", "clear_curves", "curves", "lifted", "sampled"]
+__all__ = ["TURNED_LATE", "Curve", "clear_curves", "curves", "lifted", "sampled"]
 
 TURNED_BY = 0.62
 """The share of the time by which the hand has its orientation: by then three quarters of the way are done."""
+
+TURNED_LATE = 0.3, 0.92
+"""The same of a hand that comes off something first, turned as it is: from when on it turns, and by when it has."""
 
 # Metres by which the curve is lifted after the start and before the end.
 _FIRST, _LAST = (0.03, 0.12, 0.25, 0.42, 0.6), (0.02, 0.1, 0.22)
@@ -41,11 +44,12 @@ _KEPT = 4  # curves
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A cubic Bezier curve (4, 3), metres, and the rotations (4,) at its ends."""
+    """A cubic Bezier curve (4, 3), metres, the rotations (4,) at its ends, and in which shares of the time it turns."""
 
     points: Array
     start: Array
     end: Array
+    turns: tuple[float, float] = (0.0, TURNED_BY)
 
     @property
     def length(self) -> float:
@@ -61,7 +65,8 @@ class Curve:
 
     def turned(self, time: Array) -> Array:
         """The palm's rotations (n, 4) at shares of the time (n)."""
-        return slerp(self.start, self.end, minimum_jerk(time / TURNED_BY))
+        first, last = self.turns
+        return slerp(self.start, self.end, minimum_jerk((time - first) / (last - first)))
 
     def _passed(self) -> Array:
         """The length up to even steps of the parameter, metres; it always grows."""

@@ -18,7 +18,7 @@ from ahmss.reaching.comfort import across
 from ahmss.reaching.duration import reach_time
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.leaning import EASY, Stretch, looking, posture_for, stretch_of
-from ahmss.reaching.path import Curve, clear_curves, curves
+from ahmss.reaching.path import TURNED_LATE, Curve, clear_curves, curves
 from ahmss.reaching.prism import Prism, in_the_way, over_hand
 from ahmss.reaching.reacher import Reacher, heading_of, seat
 from ahmss.reaching.skin import skin_of
@@ -87,6 +87,11 @@ class Plan:
         """The same by a way whose middle is elsewhere by (3,), metres."""
         points = self.curve.points + np.array([[0.0], [1.0], [1.0], [0.0]]) * by
         return replace(self, curve=replace(self.curve, points=points))
+
+    def turned_late(self) -> Plan:
+        """The same with a hand that turns when it has come off from where it is."""
+        curve, *others = (replace(one, turns=TURNED_LATE) for one in (self.curve, *self.others))
+        return replace(self, curve=curve, others=others)
 
     def trunk(self, time: Array) -> Posture:
         """Hips, spine and root at shares of the time (n); the rest as at the start."""

@@ -131,7 +131,7 @@ def performed(
         first = gaze.frames + gaze.left(within)
         length = hurried(task, round(slower * plan.seconds * task.rate), first + follow)
         plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
-        looked = gaze.turned(first + np.arange(1.0, length + follow + 1.0))
+        looked = gaze.meanwhile(first, length + follow)
         time = np.arange(1, length + 1) / length
         made = yield from gaze.until_or_not(first, perform(plan, time, gaze.place, looked, fingers, then))
         if made is None:
@@ -149,11 +149,12 @@ class Looking:
     """The gaze on its way to a place (3,), which it begins before anything else moves.
 
     frames: those that were given by `alone`. Once it is there, more of a plan is made in each: who sees them stand
-    there has to wait. in_thought: not so; it is only thought of, by who gives the frames.
+    there has to wait. in_thought: not so; it is only thought of, by who gives the frames. after: seconds by which it is
+    later than the hand, instead: of who would turn the head into what that has at it.
     """
 
-    def __init__(self, task: HumanTask, place: Array, *, in_thought: bool = False) -> None:
-        self._task, self.place = task, place
+    def __init__(self, task: HumanTask, place: Array, *, in_thought: bool = False, after: float | None = None) -> None:
+        self._task, self.place, self._after = task, place, after
         self._feet = feet(task.human, task.start.rotations, task.start.root)
         self._length = max(task.length, least(task, _AT_EASE)) if task.length else 0
         self._seconds = self._needed()
@@ -163,7 +164,15 @@ class Looking:
             self._at_once = ceil(_PAUSES / max(_LEADS * self._length, 1.0))
 
     def turned(self, frames: Array) -> Array:
-        """How much of the way (n) the gaze has turned at frames (n)."""
+        """How much of the way (n) the gaze has turned at frames (n) before the hand sets out."""
+        return self._share(frames if self._after is None else np.zeros(len(frames)))
+
+    def meanwhile(self, first: int, count: int) -> Array:
+        """How much of the way (n) it has turned in so many frames of a hand that sets out after the first ones."""
+        moves = np.arange(1.0, count + 1.0)
+        return self._share(first + moves if self._after is None else moves - self._after * self._task.rate)
+
+    def _share(self, frames: Array) -> Array:
         return minimum_jerk(frames / (self._seconds * self._task.rate))
 
     def alone(self) -> Array:
@@ -243,7 +252,8 @@ class Looking:
 
     def _waits(self) -> bool:
         """Whether who looks there may do so for longer: nobody counts the frames, and no more of them turn anything."""
-        return not self._length and float(self.turned(np.array([self.frames]))[0]) >= 1.0
+        still = self._after is not None or float(self.turned(np.array([self.frames]))[0]) >= 1.0
+        return still and not self._length
 
     def _stands(self) -> bool:
         """Whether who waits so is seen to stand there."""

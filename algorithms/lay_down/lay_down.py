@@ -37,6 +37,7 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.own_arm import in_own_arm
+from ahmss.skills.own_head import at_own_head, in_own_head
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, performed, prisms_of
 from ahmss.skills.sunk import SUNK, sunk
@@ -50,7 +51,8 @@ WITHIN = 0.01  # metres: a place that is so deep in a thing is in it, and not on
 EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
 STRETCHED = 0.98  # of the arm's length, at the end: farther one steps nearer
 SURELY = 0.955  # the same from where one will stand
-PASSES, BRUSHES, AIR = 3, 0.002, 0.12  # ways past the own other arm; metres: what is in it; by which way is moved more
+PASSES, BRUSHES, AIR = 3, 0.002, 0.12  # ways past oneself; metres: what is in it; by which a way is moved more
+LATER = 0.55  # seconds by which the head turns later than the hand that has something at it comes off
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -63,7 +65,8 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
         raise AlgorithmError("stand still to lay it down; walk there first")
     held = task.start.grip(task.hand).inverse().then(task.object.frame).inverse()
     _refuse_sunk(task, held)
-    gaze = Looking(task, _rests(task, 0.0, TURNS).place[0])
+    place = _rests(task, 0.0, TURNS).place[0]
+    gaze = Looking(task, place, after=LATER if at_own_head(task) else None)
     laid = yield from _laid(task, held, gaze)
     if (isinstance(laid, AlgorithmError) or laid.poor) and task.library is not None:
         goal = partial(_goal, task, held, turns=ANYHOW)
@@ -166,7 +169,7 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     links = list(fingers(task.hand))
     shape = task.start.rotations[links]
     then, open_by, off = _then(task, palm)
-    made = yield from _past_own_arm(task, reaching, plan, gaze, (links, shape), then)
+    made = yield from _past_oneself(task, reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = _opening(task, shape, open_by, off)
     down = length + int(np.flatnonzero(open_by <= 0.0)[-1])
@@ -185,15 +188,15 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     return Laid(rows, made.plan, poor, lacks or deep)
 
 
-def _past_own_arm(
+def _past_oneself(
     task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking, shape: Fingers, then: Array
 ) -> Generator[Array, None, Performed]:
-    """The frames of a plan, by a way on which what is carried goes past the other arm and not through it, if any."""
+    """The frames of a plan, by a way on which what is carried goes past the other arm and the head, if there is one."""
     best: tuple[float, Performed] | None = None
-    way, made = plan, None
+    way, made = plan.turned_late() if at_own_head(task) else plan, None
     for _ in range(PASSES):
         made = yield from performed(task, reaching, way, gaze, shape, then)
-        deep, away = in_own_arm(task, task.hand, made)
+        deep, away = max((of(task, task.hand, made) for of in (in_own_arm, in_own_head)), key=lambda one: one[0])
         best = min(best or (deep, made), (deep, made), key=lambda one: one[0])
         if deep <= BRUSHES:
             break

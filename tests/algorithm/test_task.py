@@ -169,9 +169,11 @@ def test_the_task_says_what_start_said(make_start):
 def test_what_moves_is_seen(make_start):
     tap = ObjectRecord(9, "tap", "tap", (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 0.0))
     task = HumanTask(make_start(world=[tap]))
+    before = task.world[9].frame
     moved = [[9, 2, 3, 4, 0, 1, 0, 0], [7, 5, 6, 7, 0, 0, 1, 0], [1000, 0, 0, 0, 1, 0, 0, 0]]
     task.see(np.concatenate([np.zeros(190), np.ravel(moved).astype(float)]))
     np.testing.assert_array_equal(task.world[9].place, [2, 3, 4])
+    np.testing.assert_array_equal(before.place, [1, 1, 1])  # what was made of it as it was is not moved
     np.testing.assert_array_equal(task.object.rotation, [0, 0, 1, 0])
     with pytest.raises(ProtocolError, match="FRAME has 191 numbers; 190 and 8 for each"):
         task.see(np.zeros(191))

@@ -22,6 +22,7 @@ from ahmss.motion.smoothness import worst_pop
 
 from .devices import SIDES, at, before, begun, device, mover, posed
 from .scene import WORKSPACE, program
+from .touching import skin_of
 
 OTHERS = (("ken", "left"), ("aiko", "right"))
 CASES = [("ken", "right"), ("aiko", "left"), *(pytest.param(*one, marks=pytest.mark.long) for one in OTHERS)]
@@ -88,6 +89,21 @@ def in_the_telephone(scene: Scene, shown: list[HumanPose], followed: list[Object
     return deepest
 
 
+def in_the_head(scene: Scene, shown: list[HumanPose], followed: list[ObjectPose]) -> float:
+    """Metres by which the skin of head and throat is in the handset at the most."""
+    skin, bar = skin_of(scene.body.name), WorldObject.of(device("handset", at(0.0, 0.0, 0.0), shaped=True))
+    assert bar.shape is not None
+    field = bar.shape.field(np.array(bar.sites["bar"].position))
+    chosen = np.flatnonzero(np.isin(skin.link, [INDEX["head"], INDEX["spine"]]))
+    deepest = -np.inf
+    for pose, thing in list(zip(shown, followed, strict=True))[::3]:
+        points = skin.posed(pose.rotations, pose.root, chosen)
+        seen = Transform(thing.place, thing.rotation).inverse().apply(points)
+        near = np.abs(seen).max(axis=-1) < 0.12
+        deepest = max(deepest, -float(field.clearance(seen[near]).min(initial=np.inf)))
+    return deepest
+
+
 def head(scene: Scene, pose: HumanPose) -> Transform:
     places, turned = (of[0] for of in posed(scene.body, [pose]))
     return Transform(places[INDEX["head"]], turned[INDEX["head"]])
@@ -112,9 +128,14 @@ def test_a_handset_comes_to_ear_and_mouth_and_goes_back(name: str, side: str) ->
     assert worst_pop(np.array([pose.rotations for pose in scene.shown])).degrees < 2.0
     assert out_of_the_trunk(scene, scene.shown[-1])
     assert in_the_telephone(scene, scene.shown, scene.followed) < 0.002
-    world = [msgspec.structs.replace(device("telephone", scene.base), id=9)]
+    table = Transform(scene.base.apply(np.array([-0.25, 0.0, -0.88])), scene.base.rotation)
+    world = [
+        msgspec.structs.replace(device(*one), id=9 + k)
+        for k, one in enumerate([("telephone", scene.base), ("table", table)])
+    ]
     shown = scene.goes_on("lay_down", {"rest": "cradle"}, "release", world=world)
     laid = scene.both(shown)
+    assert in_the_head(scene, [*scene.shown[caught:], *shown], [*scene.followed[caught:], *laid]) < 0.003  # 20 mm
     assert in_the_telephone(scene, shown, laid) < 0.002  # 13 mm in it, as the hand opened and drew back
     assert [pose.states["taken"] for pose in laid if "taken" in pose.states] == ["no"]
     assert np.linalg.norm(laid[-1].place - scene.frame.place) < 0.003
