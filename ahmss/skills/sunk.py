@@ -8,20 +8,37 @@ import numpy as np
 
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
-from ahmss.reaching.handpoints import own_points, placed_points
+from ahmss.body.quaternion import slerp
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.holding import widened
+from ahmss.reaching.handpoints import placed_points
 from ahmss.reaching.prism import Prism
+from ahmss.skills.around import half_of
 
 __all__ = ["SUNK", "sunk"]
 
 SUNK = 0.004
-"""Metres that the bones of fingers may be in it."""
+"""Metres that the skin of fingers may be in it, as it is told: a table as if it were solid down to the floor."""
+
+_EACH = 3  # balls: every so many along a link, its ends among them
+_OPEN = np.array([0.0, 0.5, 1.0])  # of how far they are open with the palm there
 
 
-def sunk(task: HumanTask, side: str, palms: Array, shape: Array, prisms: Sequence[Prism]) -> Array:
-    """Metres (n) that the bones of hands are in things at the most, negative outside; -inf where there is none.
+def sunk(task: HumanTask, side: str, palms: Array, shape: Array, prisms: Sequence[Prism], grip: str | None) -> Array:
+    """Metres (n) that the skin of hands is in things at the most, as they hold and as they open there; negative
+    outside, -inf where there is none.
 
     Args:
-        side: the hand. palms: (n, 7) in the world. shape: (14, 4) rotations of the fingers. prisms: the things.
+        side: the hand. palms: (n, 7) in the world. shape: (14, 4) rotations of the fingers as they hold.
+        prisms: the things. grip: the site's, that says how far they open there.
     """
-    points = placed_points(task.human, side, palms, own_points(task.human, side, shape))
-    return np.max([np.full(len(points), -np.inf), *(-one.signed(points).min(axis=-1) for one in prisms)], axis=0)
+    hand = Hand.of(task.human, side)
+    wide = widened(hand, hand.flexion(shape), hand.thumb(shape))
+    shapes = slerp(shape, wide, (1.0 - half_of(grip)) * _OPEN[:, None])
+    middles, radii = (balls[..., ::_EACH, :] if balls.ndim > 2 else balls[:, ::_EACH] for balls in hand.balls(shapes))
+    deep = np.full(len(palms), -np.inf)
+    for own in middles.reshape(len(shapes), -1, 3):
+        points = placed_points(task.human, side, palms, own)
+        for one in prisms:
+            deep = np.maximum(deep, (radii.ravel() - one.signed(points)).max(axis=-1))
+    return deep

@@ -32,7 +32,7 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
-from ahmss.skills.around import HALF, half_closed
+from ahmss.skills.around import half_closed, half_of
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
@@ -110,7 +110,7 @@ def _sunk(task: HumanTask, goal: Goal) -> Array:
     """Metres (n) that the hand is in things with palms of a goal, but in what holds that place, as a shelf does."""
     shape = task.start.rotations[list(fingers(task.hand))]
     prisms = [one for one in _prisms(task) if not one.sought and float(one.signed(goal.place)) > -WITHIN]
-    return sunk(task, task.hand, goal.palms[task.hand], shape, prisms)
+    return sunk(task, task.hand, goal.palms[task.hand], shape, prisms, _grip(task))
 
 
 def _lacks(task: HumanTask, arm: Stretch, most: float = STRETCHED) -> str:
@@ -275,8 +275,15 @@ def _then(task: HumanTask, palm: Array) -> tuple[Array, Array, Array]:
     away = np.concatenate([zero[0], zero[1], zero[2], share[3]])
     palms = np.repeat(palm[None], len(over), axis=0)
     palms[:, :3] += OVER * over[:, None] * UP + BACK * away[:, None] * _back(task, palm)
-    open_by = np.concatenate([zero[0], zero[1], (1.0 - HALF) * share[2], 1.0 - half_closed(BACK * share[3])])
+    opens, leaves = (1.0 - half_of(_grip(task))) * share[2], 1.0 - half_closed(BACK * share[3], _grip(task))
+    open_by = np.concatenate([zero[0], zero[1], opens, leaves])
     return palms, open_by, BACK * away
+
+
+def _grip(task: HumanTask) -> str | None:
+    """How the site says that it is held."""
+    named = None if task.object is None else task.object.sites.get(task.message.site)
+    return None if named is None else named.grip
 
 
 def _back(task: HumanTask, palm: Array) -> Array:

@@ -47,6 +47,8 @@ from ahmss.skills.word import closed_at_last
 
 BEFORE, LIFTS = 0.08, 0.05  # metres before the grip at which the open hand is set; by which it is lifted first
 COMES, CLOSES, HOLDS, RISES = 0.35, 0.35, 0.1, 0.3  # seconds
+SPARE = 0.004  # metres by which fingers keep out of that farther if they can: it is laid down a little otherwise
+OUT = (0.0, 0.003, 0.006, 0.009)  # metres nearer to the edge of it that a margin is pinched, 15 mm from there else
 TURNS = np.radians([-40.0, -20.0, 0.0, 20.0, 40.0])  # of the hand about the site's z
 EAR = np.array([-0.024, 0.086, 0.098])  # from between the eyes: up, to the side, back
 LIPS = np.array([-0.055, 0.034, -0.012])  # a little beside the mouth
@@ -77,7 +79,7 @@ def take_up(task: HumanTask) -> Iterator[Array | HumanPose]:
         yield gaze.alone()
     if not grips:
         raise AlgorithmError(f"no hand can close on {task.object.name} there; give the site another rotation")
-    grips = _above(task, grips)
+    grips = yield from gaze.during(_above(task, grips, rotate(task.site.rotation, X)))
     goal = Goal(task.site.place, palms={side: taking.palms for side, taking in grips.items()})
     into = rotate(task.site.rotation, X)
     task, gaze, reaching, plan = yield from _planned(task, goal, -BEFORE * into, gaze)
@@ -153,19 +155,28 @@ def _grips(task: HumanTask, side: str, site: Transform) -> Steps[dict[str, Takin
     return {side: Taking(np.concatenate([places, multiply(turned, palm.rotation)], axis=-1), holding)}
 
 
-def _above(task: HumanTask, grips: dict[str, Taking]) -> dict[str, Taking]:
-    """The grips without the palms whose fingers would be in what stands about, as the desk that it lies on.
+def _above(task: HumanTask, grips: dict[str, Taking], into: Array) -> Steps[dict[str, Taking]]:
+    """The grips without the palms whose fingers would be in what stands about, as the desk that it lies on, as they
+    close or hold; where all would be, nearer to the edge of what is held. into: (3,) as the hand comes.
 
     Raises:
         AlgorithmError: all would; says by how much at the least.
     """
     assert task.object is not None
     prisms, found, least = [prism for prism in prisms_of(task) if not prism.sought], dict[str, Taking](), np.inf
+    grip = task.object.sites[task.message.site].grip
     for side, taking in grips.items():
-        deep = sunk(task, side, taking.palms, taking.holding.shape, prisms)
-        least = min(least, float(np.min(deep)))
-        if (clear := deep < SUNK).any():
-            found[side] = replace(taking, palms=taking.palms[clear])
+        for out in OUT if grip == "precision" else OUT[:1]:
+            palms = taking.palms.copy()
+            palms[:, :3] -= out * into
+            deep = sunk(task, side, palms, taking.holding.shape, prisms, grip)
+            yield
+            least = min(least, float(np.min(deep)))
+            easily = deep < SUNK - SPARE
+            if (clear := easily if easily.any() else deep < SUNK).any():
+                found[side] = replace(taking, palms=palms[clear])
+            if easily.any():
+                break
     if not found:
         raise AlgorithmError(
             f"fingers would be {1000.0 * least:.0f} mm in what {task.object.name} lies on; lay it so that they come "
@@ -181,9 +192,7 @@ def _closing(task: HumanTask, grip: Transform, into: Array) -> tuple[Array, Arra
     share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
     zero = [np.zeros(count) for count in counts]
     back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3]])
-    begun = (
-        zero[0] if task.object.sites[task.message.site].grip == "precision" else half_closed(BEFORE * back[: counts[0]])
-    )
+    begun = half_closed(BEFORE * back[: counts[0]], task.object.sites[task.message.site].grip)
     lifted = np.concatenate([zero[0], zero[1], zero[2], share[3]])
     palms = np.repeat(grip.row()[None], len(back), axis=0)
     palms[:, :3] += LIFTS * lifted[:, None] * UP - BEFORE * back[:, None] * into

@@ -33,13 +33,21 @@ class Scene:
     """Somebody before a desk with something on it that is taken up."""
 
     def __init__(
-        self, name: str, side: str, kind: str, site: str, to: str, away: float = 0.5, motion: str | None = None
-    ) -> None:
+        self, name: str, side: str, kind: str, site: str, to: str, away: float = 0.5, motion: str | None = None,
+        over: float | None = None,
+    ) -> None:  # fmt: skip
+        """over: metres that it lies over a table's edge; left out: there is no table."""
         self.base = at(1.0, -0.5, 0.88, 2.1)
         offset = CRADLE if kind == "handset" else np.zeros(3)
         self.frame = Transform(self.base.apply(offset), self.base.rotation)
         self.body, self.side, self.kind, self.site = before(name, self.base, away), side, kind, site
-        self.start = begun(self.body, self.named(self.frame), site, {"to": to}, hand=side, hold="take", motion=motion)
+        self.world: list[ObjectRecord] = []
+        if over is not None:
+            middle = Transform(self.base.apply(np.array([0.125 - over - 0.5, 0.0, -0.88])), self.base.rotation)
+            self.world.append(msgspec.structs.replace(device("table", middle, shaped=True), id=9))
+        self.start = begun(
+            self.body, self.named(self.frame), site, {"to": to}, hand=side, hold="take", motion=motion, world=self.world
+        )
         self.shown = self.body.do("take_up", self.start)
         self.followed = self.follow(self.start, self.shown)
         self.held = self.followed[-1]
@@ -341,6 +349,23 @@ def test_what_lies_flat_on_a_table_is_taken_over_its_edge_only(side: str) -> Non
     with pytest.raises(AlgorithmError, match=r"fingers would be \d+ mm in what manual lies on; lay it so"):
         taken(-0.03)
     assert len(taken(0.06)) > 60
+
+
+@pytest.mark.parametrize(("name", "side"), [("aiko", "right"), pytest.param("ken", "left", marks=pytest.mark.long)])
+def test_fingers_close_and_open_beside_the_table_over_whose_edge_a_manual_lies(name: str, side: str) -> None:
+    """An index finger swept 4 mm through the table's edge as it closed, and 10 as it opened."""
+    scene = Scene(name, side, "manual", "edge", "eyes", over=0.045)
+    table, place = scene.world[0], scene.base.place
+    shown = scene.goes_on("lay_down", {}, "release", goal=Goal(place=tuple(place.tolist())), world=[table])
+    assert np.linalg.norm(scene.both(shown)[-1].place - place) < 0.003
+    top, skin = WorldObject.of(table), skin_of(name)
+    assert top.shape is not None
+    edge = np.array([0.5, 0.0, 0.87])
+    field, chosen = top.shape.field(edge), np.flatnonzero(np.isin(skin.link, list(fingers(side))))
+    for pose in [*scene.shown, *shown][::2]:
+        seen = top.frame.inverse().apply(skin.posed(pose.rotations, pose.root, chosen)) - edge
+        near = np.abs(seen).max(axis=-1) < 0.12
+        assert float(field.clearance(edge + seen[near]).min(initial=np.inf)) > -0.001
 
 
 @pytest.mark.parametrize(
