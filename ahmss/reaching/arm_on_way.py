@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,7 +25,10 @@ from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import arm_skin, bare_arm
 from ahmss.reaching.twist import handed_back, untwisted
 
-__all__ = ["AIMED", "FASTEST", "SUNK", "ArmOnWay", "farther", "fastest_of", "solved", "swung_clear"]
+__all__ = ["AIMED", "FASTEST", "SUNK", "ArmOnWay", "Sought", "farther", "fastest_of", "solved", "swung_clear"]
+
+Sought = Callable[[Array, Array], float]
+"""Metres by which a hand is in what is sought at the most, in poses (n, 43, 4), (n, 3) on its way; below 0 in none."""
 
 FASTEST = np.radians(6.0)
 """What a joint turns in a frame at the most, where that can be helped."""
@@ -82,18 +85,18 @@ class ArmOnWay:
         return max(self.deep, 0.0) / _DEEP + too_fast / _FAST + self.beyond / _BEYOND + _JUMPS * self.jumps
 
 
-def solved(plan: Plan, body: Bearing, then: Array) -> Steps[ArmOnWay]:
+def solved(plan: Plan, body: Bearing, then: Array, sought: Sought | None = None) -> Steps[ArmOnWay]:
     """The arm on a plan's way, and then after palms (m, 7) that follow."""
     n, palms = len(body.time) - len(then), _asked(plan, body, then)
     arm = yield from _reached(plan, body, palms, n)
     near = [prism for prism in plan.near if not prism.sought]
-    if not near:
+    if not near and sought is None:
         return arm
     yield
-    return _touching(near, body, arm, n)
+    return _touching(near, body, arm, n, sought)
 
 
-def swung_clear(arm: ArmOnWay, body: Bearing, then: Array) -> Steps[ArmOnWay]:
+def swung_clear(arm: ArmOnWay, body: Bearing, then: Array, sought: Sought | None = None) -> Steps[ArmOnWay]:
     """The same arm, its elbow swung out of what it is sunk in, as far as that makes it better."""
     if arm.sunk <= SUNK:
         return arm
@@ -104,13 +107,19 @@ def swung_clear(arm: ArmOnWay, body: Bearing, then: Array) -> Steps[ArmOnWay]:
     yield
     other = yield from _reached(plan, body, palms, n, serve)
     yield
-    return min(arm, _touching(near, body, other, n), key=lambda one: one.strain)
+    return min(arm, _touching(near, body, other, n, sought), key=lambda one: one.strain)
 
 
-def _touching(near: Sequence[Prism], body: Bearing, arm: ArmOnWay, n: int) -> ArmOnWay:
+def _touching(near: Sequence[Prism], body: Bearing, arm: ArmOnWay, n: int, sought: Sought | None) -> ArmOnWay:
     """The arm, and how deep it is in things."""
     reacher = arm.plan.reacher
-    return replace(arm, deep=_touch(reacher, near, body, arm, n), sunk=_sunk(reacher, near, body, arm))
+    if near:
+        arm = replace(arm, deep=_touch(reacher, near, body, arm, n), sunk=_sunk(reacher, near, body, arm))
+    if sought is None:
+        return arm
+    seen = body.seen[:n].copy()
+    seen[:, reacher.links] = arm.links[:n]
+    return replace(arm, deep=max(arm.deep, sought(seen, body.trunk.root[:n])))
 
 
 def farther(plan: Plan, body: Bearing) -> list[Plan]:

@@ -14,7 +14,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX
 from ahmss.motion.steps import Steps
-from ahmss.reaching.arm_on_way import ArmOnWay, farther, fastest_of, solved, swung_clear
+from ahmss.reaching.arm_on_way import ArmOnWay, Sought, farther, fastest_of, solved, swung_clear
 from ahmss.reaching.bearing import SHAPED_BY, Bearing, Fingers, bearing_of
 from ahmss.reaching.other_arm import other_arm, out_of_things
 from ahmss.reaching.plan import Plan
@@ -62,8 +62,9 @@ class Performed:
 
 
 def perform(
-    plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers = _NO_FINGERS, then: Array | None = None
-) -> Steps[Performed]:
+    plan: Plan, time: Array, gaze: Array, looked: Array, fingers: Fingers = _NO_FINGERS, then: Array | None = None,
+    sought: Sought | None = None,
+) -> Steps[Performed]:  # fmt: skip
     """The frames of a plan at shares of its time (n).
 
     Args:
@@ -72,22 +73,23 @@ def perform(
         gaze: (3,) what is looked at. looked: (n,) how much of the way to it the gaze has turned.
         fingers: links and the rotations (m, 4) that they have at the end.
         then: palms (m, 7) of frames that follow, the trunk as it then is; `looked` is of these too.
+        sought: tells how deep the hand is in what it comes to on the way; left out: nobody asks.
     """
     then = _NOTHING_THEN if then is None else then
     body = bearing_of(plan, np.concatenate([time, np.ones(len(then))]), gaze, looked, fingers)
     yield
-    first = yield from solved(plan, body, then)
-    best = yield from swung_clear(first, body, then)
+    first = yield from solved(plan, body, then, sought)
+    best = yield from swung_clear(first, body, then, sought)
     ways, raises = [*farther(plan, body), *plan.otherwise()], _RAISES
     while best.flaw > 0.0 and (ways or raises):
         yield
         way = ways.pop(0) if ways else None
-        arm = yield from solved(way or best.plan.moved(_HIGHER), body, then)
+        arm = yield from solved(way or best.plan.moved(_HIGHER), body, then, sought)
         before, best = best, min(best, arm, key=lambda one: one.strain + _DETOUR * one.plan.curve.length)
         if way is None:  # higher, for as long as that helps
             raises = 0 if best is before else raises - 1
     if best.plan is not first.plan:
-        best = yield from swung_clear(best, body, then)
+        best = yield from swung_clear(best, body, then, sought)
     yield
     other = (yield from _other_arm(plan, body)) if plan.helped else None
     return _performed(best, body, other, gaze, looked, fingers[0], len(time))

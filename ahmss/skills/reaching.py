@@ -22,7 +22,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.motion.steps import Steps
-from ahmss.reaching.arm_on_way import AIMED
+from ahmss.reaching.arm_on_way import AIMED, Sought
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import looking
 from ahmss.reaching.performing import Fingers, Performed, perform
@@ -113,8 +113,9 @@ def prisms_of(task: HumanTask, besides: WorldObject | None = None) -> list[Prism
 
 
 def performed(
-    task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking, fingers: Fingers, then: Array | None = None
-) -> Generator[Array, None, Performed]:
+    task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking, fingers: Fingers, then: Array | None = None,
+    sought: Sought | None = None,
+) -> Generator[Array, None, Performed]:  # fmt: skip
     """The frames of a plan, made a part in each of some more frames (1, 260) of the gaze.
 
     Where nobody said how many frames it takes, it takes as many as the way needs that is taken in the end, and as many
@@ -123,7 +124,7 @@ def performed(
     Args:
         task: which says how many frames there are. reaching: who. plan: what `planned` found. gaze: on its way.
         fingers: links and the rotations (m, 4) that they come to.
-        then: palms (m, 7) of frames that follow; the reach takes the frames before them.
+        then: palms (m, 7) of frames that follow; the reach takes the frames before them. sought: as of `perform`.
     """
     follow = 0 if then is None else len(then)
     slower, before, within = 1.0, np.inf, _PERFORMED_IN
@@ -133,7 +134,7 @@ def performed(
         plan = reaching.set_out(plan, gaze.place, float(gaze.turned(np.array([first]))[0]))
         looked = gaze.meanwhile(first, length + follow)
         time = np.arange(1, length + 1) / length
-        made = yield from gaze.until_or_not(first, perform(plan, time, gaze.place, looked, fingers, then))
+        made = yield from gaze.until_or_not(first, perform(plan, time, gaze.place, looked, fingers, then, sought))
         if made is None:
             within = gaze.to_come
             continue

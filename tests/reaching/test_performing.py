@@ -12,7 +12,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.easing import minimum_jerk
-from ahmss.reaching.arm_on_way import FASTEST, fastest_of
+from ahmss.reaching.arm_on_way import FASTEST, Sought, fastest_of
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Reaching
@@ -30,7 +30,9 @@ def made(steps: Generator[Any, None, Any]) -> Any:
             return end.value
 
 
-def reached(rotations: Array, root: Array, place: Array, side: str, then: float = 0.0) -> Performed:
+def reached(
+    rotations: Array, root: Array, place: Array, side: str, then: float = 0.0, sought: Sought | None = None
+) -> Performed:
     """A reach from a pose as long as at ease; after it the palm goes down and up again by so many metres, if any."""
     reaching, reacher = Reaching(HUMAN, rotations, root), Reacher.of(HUMAN, side)
     found = made(reaching.posture(reacher, Goal(place), ()))
@@ -41,7 +43,7 @@ def reached(rotations: Array, root: Array, place: Array, side: str, then: float 
     if follow is not None:
         follow[:, 2] -= then * np.sin(np.linspace(0.0, np.pi, THEN)) ** 2
     looked = minimum_jerk(np.arange(1.0, length + (THEN if then else 0) + 1.0) / 18.0)
-    return made(perform(plan, time, place, looked, then=follow))
+    return made(perform(plan, time, place, looked, then=follow, sought=sought))
 
 
 def nearest(one: Performed, side: str) -> float:
@@ -70,3 +72,24 @@ def test_what_follows_has_its_own_pace() -> None:
     alone, then = (reached(rotations, root, place, "right", by) for by in (0.0, 0.4))
     assert fastest_of(then.rotations[:, Reacher.of(HUMAN, "right").links]) > 1.3 * alone.fastest
     assert then.fastest == pytest.approx(alone.fastest, rel=0.02)
+
+
+def test_a_hand_goes_round_what_it_comes_to() -> None:
+    """What is sought is in nobody's way as a thing; asked itself, it says how deep the hand would be in it."""
+    rotations, root = HUMAN.upright()
+    place = np.array([0.4, -0.2, 1.1])
+    ball, radius = nearly_there(reached(rotations, root, place, "right")), 0.03
+
+    def deep(rotations: Array, root: Array) -> float:
+        palms = grips(HUMAN, rotations, root)[:, 0, :3]
+        return radius - float(np.linalg.norm(palms - ball, axis=-1).min())
+
+    straight, round_it = (reached(rotations, root, place, "right", sought=sought) for sought in (None, deep))
+    assert deep(straight.rotations, straight.root) > 0.02
+    assert deep(round_it.rotations, round_it.root) <= 0.0
+    assert round_it.flaw == pytest.approx(0.0, abs=1e-9)
+
+
+def nearly_there(one: Performed) -> Array:
+    """Where the right palm (3,) is when it has gone half its way."""
+    return grips(HUMAN, one.rotations, one.root)[len(one.root) // 2, 0, :3]
