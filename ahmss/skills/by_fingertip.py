@@ -78,7 +78,7 @@ def by_fingertip(
     task, gaze = yield from stood_before(task, touching.goal, before_it(task), gaze)
 
     def attempt(
-        task: HumanTask, gaze: Looking, _: tuple[Plan, Performed] | None
+        task: HumanTask, gaze: Looking, _: tuple[Plan, Performed] | None, __: float
     ) -> Generator[Array, None, tuple[Plan, Performed]]:
         def touches(plan: Plan, made: Performed) -> float:
             deep, _ = sunk_in(task, plan.reacher.side, made.rotations, made.root)

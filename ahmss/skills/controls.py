@@ -35,7 +35,8 @@ from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import NEAREST, Obstacles
 
 __all__ = [
-    "NEAR", "around_it", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "stood_before",
+    "NEAR", "around_it", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_control",
+    "stood_before",
     "stretch_from",
 ]  # fmt: skip
 
@@ -62,6 +63,11 @@ _SUNK = 1000.0  # what a metre costs that an arm is in what a control is on
 _LOW = 0.5  # of the hips' height: who is taller reaches no better what is under it
 _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
 _SPARSE = 3  # every so many palms show how easily an arm comes there
+
+
+def is_control(task: HumanTask) -> bool:
+    """Whether the task's object is a control, before which one stands at ease to use it."""
+    return task.object is not None and "box" in task.object.properties
 
 
 def beside(task: HumanTask) -> list[Box]:

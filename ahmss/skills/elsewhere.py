@@ -26,9 +26,10 @@ from ahmss.walking import goals
 __all__ = ["or_elsewhere"]
 
 Worked = TypeVar("Worked")
-Attempt = Callable[[HumanTask, Looking, Worked | None], Generator[Array, None, Worked]]
+Attempt = Callable[[HumanTask, Looking, Worked | None, float], Generator[Array, None, Worked]]
 _MOST = 5  # stands from which it is tried
 _CLEAN = 0.006  # metres: what is amiss by less is as good as can be
+_PLAINLY = 0.005  # metres by which what is worse than the best is not looked at further
 _AMISS, _WORTH = 0.01, 0.004  # metres amiss from which on it is tried elsewhere, and by which that is to be better
 _ASIDE = (0.14, -0.14, 0.3, -0.3, 0.0, 0.44, -0.44, 0.58, -0.58)  # metres that one stands aside of it
 _AWAY = (0.54, 0.46, 0.62, 0.38)  # metres before it
@@ -50,7 +51,8 @@ def or_elsewhere(
     Args:
         task: who uses a control; without a walk library nobody steps. gaze: on its way to the control.
         attempt: works it out in frames (1, 260) in which only the gaze moves, for who stands as the task begins; of
-            what it came to when it was thought of from there, if it was, it makes the same again where that serves.
+            what it came to when it was thought of from there, if it was, it makes the same again where that serves. It
+            leaves early what has a greater flaw than so many metres.
         worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't.
         flaw: metres by which what an attempt comes to is amiss. amiss: those for which one would rather go elsewhere.
 
@@ -59,7 +61,7 @@ def or_elsewhere(
     """
     here, refused = None, None
     try:
-        here = yield from attempt(task, gaze, None)
+        here = yield from attempt(task, gaze, None, np.inf)
     except AlgorithmError as error:
         if task.library is None:
             raise
@@ -67,11 +69,13 @@ def or_elsewhere(
     if here is not None and (task.library is None or amiss(here) <= _AMISS):
         return task, gaze, here
     thought: list[tuple[float, goals.Goal, Worked]] = []
+    least = np.inf if here is None else flaw(here)
     for stand in (yield from gaze.during(_stands(task, worth))):
-        worked = yield from _thought_of(task, stand, gaze, attempt)
+        worked = yield from _thought_of(task, stand, gaze, attempt, least + _PLAINLY)
         if worked is not None:
             thought.append((flaw(worked), stand, worked))
-            if thought[-1][0] <= _CLEAN:
+            least = min(least, thought[-1][0])
+            if least <= _CLEAN:
                 break
     thought.sort(key=lambda one: one[0])
     if here is not None and (not thought or thought[0][0] > amiss(here) - _WORTH):
@@ -80,7 +84,7 @@ def or_elsewhere(
         task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where a hand has room")
         task, gaze = yield from gone_to(task, stand, gaze)
         try:
-            return task, gaze, (yield from attempt(task, gaze, worked))
+            return task, gaze, (yield from attempt(task, gaze, worked, np.inf))
         except AlgorithmError as error:  # who comes there does not stand just as was thought
             refused = refused or error
     assert refused is not None
@@ -88,13 +92,13 @@ def or_elsewhere(
 
 
 def _thought_of(
-    task: HumanTask, stand: goals.Goal, gaze: Looking, attempt: Attempt[Worked]
+    task: HumanTask, stand: goals.Goal, gaze: Looking, attempt: Attempt[Worked], most: float
 ) -> Generator[Array, None, Worked | None]:
     """What an attempt would come to from a stand, None: to nothing; in frames (1, 260) while that is thought of."""
     there = stance_at(task, stand).start
     thought = begun_at(task, there.rotations, there.root)
     thought.notes = []
-    work = attempt(thought, Looking(thought, gaze.place, in_thought=True), None)
+    work = attempt(thought, Looking(thought, gaze.place, in_thought=True), None, most)
     while True:
         try:
             next(work)

@@ -40,18 +40,30 @@ class InPart:
         site = Transform(carried.place[frame], carried.rotation[frame])
         return self._deepest(side, site, palms[::_EVERY], shapes[::_EVERY])
 
+    def off(self, side: str, part: Part, palms: Array, shapes: Array, way: Array, held: NDArray[np.bool_]) -> float:
+        """Metres by which the thumb or all other fingers are off it at the most while it is held; as of `depth`."""
+        on = np.flatnonzero(held)[::_EVERY]
+        gaps = self._gaps(side, brought(part, palms[on], way[on]), palms[on], shapes[on])
+        if gaps is None:
+            return 0.0
+        return float(np.maximum(gaps[:, :2].min(axis=1), gaps[:, 2:].min(axis=1)).max())
+
     def _deepest(self, side: str, site: Transform, palms: Array, shapes: Array) -> float:
         """The same, the part's site being at such places (n)."""
         near = np.linalg.norm(palms[:, :3] - site.place, axis=1) < _NEAR
-        if self._field is None or not near.any():
-            return -np.inf
+        gaps = self._gaps(side, Transform(site.place[near], site.rotation[near]), palms[near], shapes[near])
+        return -np.inf if gaps is None else -float(gaps.min())
+
+    def _gaps(self, side: str, site: Transform, palms: Array, shapes: Array) -> Array | None:
+        """Metres (n, 14) between the skin of each link and it, negative within; None where nobody knows."""
+        if self._field is None or not len(palms):
+            return None
         thing = self._task.object
         assert thing is not None
         assert self._task.site is not None
         at_rest = thing.frame.inverse().then(self._task.site)
-        site = Transform(site.place[near], site.rotation[near])
-        seen = at_rest.then(site.inverse().then(Transform.of(palms[near]))).row()
-        return Hand.of(self._task.human, side).depth(self._field, seen, shapes[near])
+        seen = at_rest.then(site.inverse().then(Transform.of(palms))).row()
+        return Hand.of(self._task.human, side).gaps(self._field, seen, shapes)
 
 
 def _field_of(task: HumanTask) -> Field | None:

@@ -20,8 +20,10 @@ from ahmss.grasping.field import Field
 from ahmss.grasping.hand import Hand
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import Steps
+from ahmss.reaching.arm_on_way import Sought
 from ahmss.reaching.performing import SHAPED_BY
 from ahmss.reaching.plan import Plan
+from ahmss.reaching.reacher import SIDES
 from ahmss.skills.in_part import InPart
 from ahmss.skills.part_ways import Part
 
@@ -65,12 +67,23 @@ class Rest:
         side, palms, shapes = plan.reacher.side, plan.palms(_TIME)[:-1], shapes[:-1]
         return max(self._depth(side, palms, shapes), self._part.at_rest(side, part, palms, shapes))
 
+    def on_way(self, side: str, part: Part) -> Sought:
+        """How deep that hand is in the rest or in the part, as an arm brings it there."""
+
+        def deep(rotations: Array, root: Array) -> float:
+            seen = rotations[::_EVERY]
+            palms = grips(self._task.human, seen, root[::_EVERY])[:, SIDES.index(side)]
+            shapes = seen[:, list(fingers(side))]
+            return max(self._depth(side, palms, shapes), self._part.at_rest(side, part, palms, shapes)) - _SOME
+
+        return deep
+
     def depth(self, side: str, rotations: Array, root: Array) -> float:
         """Metres by which a hand is in the rest, at the most, in frames (n, 43, 4), (n, 3); 0 where in none."""
         if self._field is None:
             return 0.0
         seen, at = rotations[::_EVERY], root[::_EVERY]
-        palms = grips(self._task.human, seen, at)[:, 0 if side == "right" else 1]
+        palms = grips(self._task.human, seen, at)[:, SIDES.index(side)]
         return max(self._depth(side, palms, seen[:, list(fingers(side))]) - _SOME, 0.0)
 
     def _depth(self, side: str, palms: Array, shapes: Array) -> float:

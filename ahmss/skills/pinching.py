@@ -16,10 +16,9 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.links import fingers
-from ahmss.body.quaternion import rotate, slerp
+from ahmss.body.quaternion import slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.holding import Holding
-from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.going_on import GoingOn
 from ahmss.reaching.performing import Performed
@@ -29,7 +28,7 @@ from ahmss.skills.arm_clear import beyond, refuse_sunk, standing_about, sunk_at,
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.box import Box
 from ahmss.skills.clearing import KEEPS, WITHIN, gap_of, refuse_touching
-from ahmss.skills.controls import beside, in_the_way, stood_before
+from ahmss.skills.controls import beside, in_the_way, is_control, stood_before
 from ahmss.skills.elbow_room import awaited, crowding
 from ahmss.skills.elsewhere import or_elsewhere
 from ahmss.skills.going_back import gone_back, rows_made
@@ -37,6 +36,7 @@ from ahmss.skills.in_part import InPart
 from ahmss.skills.keeping import kept_clear
 from ahmss.skills.off_target import too_short
 from ahmss.skills.out_of_reach import EXACT, refuse_short
+from ahmss.skills.part_course import along, course, moved
 from ahmss.skills.part_ways import (
     Approach,
     Grip,
@@ -46,7 +46,6 @@ from ahmss.skills.part_ways import (
     grip_of,
     kept_from,
     lasting,
-    on_part,
     open_hand,
 )
 from ahmss.skills.past_the_rest import Rest
@@ -56,8 +55,9 @@ from ahmss.skills.smoothest import smoothest
 
 __all__ = ["Part", "pinched"]
 
-_COMES, _CLOSES, _OPENS, _LEAVES, _RETURNS = 0.3, 0.25, 0.2, 0.35, 0.4  # seconds
 _MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
+_MOST_LOOSE = 0.0022  # metres that fingers may be in the part or off what they give: their skin is 0.6 mm less deep
+_GIVES = 0.003  # metres that fingers may be off what they hold, by their balls
 _DEEP = 0.001  # metres that fingers may be in the part, by their balls, in which skin is less deep
 _REFUSED = 1.0  # as metres: any way that is not refused is better, however near it comes to somebody
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
@@ -76,7 +76,7 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
 
     Where the arm can't go all the way so it goes the other way, if there is one, with the same site. Where neighbours
     would be touched it comes and goes otherwise: from farther before the part, aslant, with other palms, the other
-    hand, or from where one stands elsewhere.
+    hand, or from where one stands elsewhere. So it does where fingers would be in the part as the arm goes, or off it.
 
     Raises:
         AlgorithmError: thumb and fingers can't close there, it is out of reach, something is in the way, or the hand
@@ -99,13 +99,16 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
     ways = yield from approaches(task, part, taken, boxes, gaze)
     prisms, plates = in_the_way(task), standing_about(task)
     goal = Goal(part.site.place, palms=ways[0].clear)
-    task, gaze = yield from stood_before(task, goal, prisms, gaze)
+    if is_control(task):
+        task, gaze = yield from stood_before(task, goal, prisms, gaze)
+    else:
+        task.arrived()
 
     def attempt(
-        task: HumanTask, gaze: Looking, thought: tuple[_Tried, bool] | None
+        task: HumanTask, gaze: Looking, thought: tuple[_Tried, bool] | None, most: float
     ) -> Generator[Array, None, tuple[_Tried, bool]]:
         first = None if thought is None else thought[0]
-        return _worked_out(task, ways, other, taken, prisms, boxes, gaze, first)
+        return _worked_out(task, ways, other, taken, prisms, boxes, gaze, first, most)
 
     def worth(reaching: Reaching) -> float:
         """Metres that a hand would have to spare which comes there from so, less those that its arm is in plates."""
@@ -126,18 +129,19 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
 
 def _worked_out(
     task: HumanTask, ways: Sequence[Approach], other: Part | None, taken: dict[str, list[Grip]],
-    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, thought: _Tried | None,
+    prisms: Sequence[Prism], boxes: Sequence[Box], gaze: Looking, thought: _Tried | None, most: float,
 ) -> Generator[Array, None, tuple[_Tried, bool]]:  # fmt: skip
     """The best of some ways from where one stands, in frames (1, 260) of the gaze; and whether it was made last.
 
-    thought: what it came to when it was thought of; what comes off as well is not looked further for.
+    thought: what it came to when it was thought of; what comes off as well is not looked further for. most: metres of
+    flaw beyond which it is worse than what is known already.
 
     Raises:
         AlgorithmError: it is out of reach, something is in the way, or the hand can't bring it where it is to go.
     """
-    along, in_part = partial(_along, ways[0].part), InPart(task)
+    brings, in_part = partial(along, ways[0].part), InPart(task)
     rest = Rest(task, in_part)
-    reaching = GoingOn(task.human, task.start.rotations, task.start.root, along)
+    reaching = GoingOn(task.human, task.start.rotations, task.start.root, brings)
     each = {side: [way.by(side) for way in ways if side in way.palms] for side in taken}  # for one hand alone
     left = lasting(reaching, ways, _MOST_WAYS) or list(ways[:1])
     enough = 0.0 if thought is None else thought.flaw + _AS_WELL
@@ -156,7 +160,7 @@ def _worked_out(
         if best.flaw <= enough:
             break
         each.pop(one.plan.reacher.side, None)
-        if one.stays:  # wherever it comes from
+        if one.on_part >= min(most, _REFUSED):  # wherever it comes from
             left = [way for way in (way.without(one.plan.reacher.side) for way in left) if way.palms]
         while not left and each and _touching(task, best):  # the ways are the clearest for both
             _, own = each.popitem()
@@ -180,6 +184,12 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
         raise touching
     refuse_short(task, tried.plan, tried.short)
     refuse_sunk(task, tried.plan, *_shown(tried.made, tried.back(task)))
+    if tried.loose > _MOST_LOOSE and not is_control(task):  # a control's hand goes as its neighbours leave it room
+        name = "it" if task.object is None else task.object.name
+        raise AlgorithmError(
+            f"the {tried.plan.reacher.side} hand would not stay on {name} from here, fingers in it or off it by "
+            f"{1000.0 * tried.loose:.0f} mm; use the other hand, or stand elsewhere"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,14 +197,15 @@ class _Tried:
     """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
 
     touches: how much of them is that it comes too near to what is beside the part. on_part: how much of them while the
-    hand is on the part. short: by how many the arm is too short for the part. way: that of its hand alone. perform:
-    makes a plan's frames anew.
+    hand is on the part. short: by how many the arm is too short for the part. loose: by how many fingers are in the
+    part, or off it while they should hold it. way: that of its hand alone. perform: makes a plan's frames anew.
     """
 
     flaw: float
     touches: float
     on_part: float
     short: float
+    loose: float
     way: Approach
     plan: Plan
     made: Performed
@@ -204,11 +215,6 @@ class _Tried:
     def part(self) -> Part:
         """The part, as it is come to."""
         return self.way.part
-
-    @property
-    def stays(self) -> bool:
-        """Whether it would be refused from wherever that hand comes."""
-        return self.on_part >= _REFUSED
 
     def back(self, task: HumanTask) -> Array:
         """Frames (n, 260) in which it goes back."""
@@ -242,11 +248,11 @@ def _tried(
         wide = open_hand(task, plan.reacher.side, grip.holding)
         plan = yield from gaze.during(rest.round(plan, part, wide))
         yield from gaze.if_there_is_time()
-        made = yield from _made(task, part, plan, gaze, reaching, grip.holding)
+        made = yield from _made(task, part, plan, gaze, reaching, grip.holding, rest)
         missed = _missed(task, part, plan, made)
         if instead is None or missed <= _MISSED:
             return made
-        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding)
+        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding, rest)
         return so if _missed(task, instead, plan, so) < missed else made
 
     def missed(plan: Plan, made: Performed) -> float:
@@ -254,7 +260,7 @@ def _tried(
         return max(min(either) - _MISSED, 0.0) + (_REFUSED if _short(task, part, plan, made) else 0.0)
 
     def short(plan: Plan, made: Performed) -> float:
-        then, closed = _moved(task, part, plan.palm)
+        then, closed = moved(task, part, plan.palm)
         return too_short(task, plan, made, then, closed == 1.0)
 
     def touched(plan: Plan, rotations: Array, root: Array) -> float:
@@ -267,36 +273,40 @@ def _tried(
         side, back = plan.reacher.side, _back(task, part, plan, made)
         shown = _shown(made, back)
         far = _REFUSED if short(plan, made) > EXACT else 0.0
-        deep = max(_deep(task, part, plan, made, back, in_part) - _DEEP, 0.0) + rest.depth(side, *shown)
+        deep = max(_loose(task, part, plan, made, back, in_part) - _DEEP, 0.0) + rest.depth(side, *shown)
         deep += beyond(sunk_in(task, side, *shown)[0])
         return far + missed(plan, made) + crowding(task, made, side) + deep + touched(plan, *shown)
 
     def on_part(plan: Plan, made: Performed) -> float:
-        on = np.flatnonzero(_moved(task, part, plan.palm)[1] > 0.0)
-        on += len(made.root) - len(_moved(task, part, plan.palm)[1])
+        on = np.flatnonzero(moved(task, part, plan.palm)[1] > 0.0)
+        on += len(made.root) - len(moved(task, part, plan.palm)[1])
         sunk = beyond(sunk_in(task, plan.reacher.side, made.rotations, made.root)[0])
         return missed(plan, made) + touched(plan, made.rotations[on], made.root[on]) + (_REFUSED if sunk else 0.0)
 
     plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
     touches = touched(plan, *_shown(made, _back(task, part, plan, made)))
-    amiss = flaw(plan, made), touches, on_part(plan, made), short(plan, made)
+    loose = _loose(task, part, plan, made, _back(task, part, plan, made), in_part)
+    amiss = flaw(plan, made), touches, on_part(plan, made), short(plan, made), loose
     return _Tried(*amiss, way.by(plan.reacher.side), plan, made, perform)
 
 
-def _deep(task: HumanTask, part: Part, plan: Plan, made: Performed, back: Array, in_part: InPart) -> float:
-    """Metres by which fingers are in the part at the most, in what is made and as they go back (m, 260)."""
+def _loose(task: HumanTask, part: Part, plan: Plan, made: Performed, back: Array, in_part: InPart) -> float:
+    """Metres by which fingers are in the part at the most, in what is made and as they go back (m, 260); or off it by
+    more than pads give way while they should hold it. A control's knob or cover slips in them, and is not lost.
+    """
     reacher, n, m = plan.reacher, len(made.root), len(back)
-    way, closed, _ = _course(task, part)
+    way, closed, _ = course(task, part)
     palms = np.concatenate([made.targets, back[:, 220:].reshape(m, 5, 8)])[:, reacher.row, :7]
     shapes = _shown(made, back)[0][:, list(fingers(reacher.side))]
     before = n - len(way)
     way, held = np.pad(way, (before, m)), np.pad(closed == 1.0, (before, m))
-    return in_part.depth(reacher.side, part, palms, shapes, way, held)
+    on = reacher.side, part, palms, shapes, way, held
+    return max(in_part.depth(*on), 0.0 if is_control(task) else in_part.off(*on) - _GIVES)
 
 
 def _back(task: HumanTask, part: Part, plan: Plan, made: Performed) -> Array:
     """Frames (n, 260) in which the hand goes back the way that it came to the part."""
-    return gone_back(task, made, len(made.root) - len(_moved(task, part, plan.palm)[0]), plan.reacher.links)
+    return gone_back(task, made, len(made.root) - len(moved(task, part, plan.palm)[0]), plan.reacher.links)
 
 
 def _shown(made: Performed, back: Array) -> tuple[Array, Array]:
@@ -306,15 +316,15 @@ def _shown(made: Performed, back: Array) -> tuple[Array, Array]:
 
 
 def _made(
-    task: HumanTask, part: Part, plan: Plan, gaze: Looking, reaching: Reaching, holding: Holding
+    task: HumanTask, part: Part, plan: Plan, gaze: Looking, reaching: Reaching, holding: Holding, rest: Rest
 ) -> Generator[Array, None, Performed]:
     """The frames of a plan, the fingers closing and opening."""
     side = plan.reacher.side
-    then, closed = _moved(task, part, plan.palm)
+    then, closed = moved(task, part, plan.palm)
     holding = held_on(task, part, side, plan.palm, holding)
     wide, links = open_hand(task, side, holding), list(fingers(side))
-    made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
-    n, way = len(then), _course(task, part)[0]
+    made = yield from performed(task, reaching, plan, gaze, (links, wide), then, rest.on_way(side, part))
+    n, way = len(then), course(task, part)[0]
     palms = made.targets[-n:, plan.reacher.row, :7]
     shapes = shapes_on(task, part, side, palms, way, closed == 1.0, holding)
     made.rotations[-n:, links] = slerp(wide, shapes, closed[:, None])
@@ -323,7 +333,7 @@ def _made(
 
 def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
     """Metres by which a point of the hand at the part's distance from the palm is off at the most: the arm's joints."""
-    then, closed = _moved(task, part, plan.palm)
+    then, closed = moved(task, part, plan.palm)
     n, holds = len(then), closed > 0.0
     got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
     turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
@@ -334,38 +344,9 @@ def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:
     """Why the part does not come to where it is to go; "" where it does, or nobody can tell."""
     if part.short is None:
         return ""
-    then, closed = _moved(task, part, plan.palm)
+    then, closed = moved(task, part, plan.palm)
     held = np.flatnonzero(closed == 1.0) - len(then)
     first, last = (
         grips(task.human, made.rotations[[k]], made.root[[k]])[0, plan.reacher.row] for k in (held[0], held[-1])
     )
     return part.short(first, last)
-
-
-def _along(part: Part, palms: Array) -> Array:
-    """Where palms (n, 7) that are on the part now are before it, and when it has gone its way, off it and on it."""
-    ends = np.array([0.0, 1.0, 1.0])
-    places = on_part(part, palms, ends)
-    places[:2, :, :3] += rotate(part.way(ends[:2])[1], part.off)[:, None]
-    return places
-
-
-def _moved(task: HumanTask, part: Part, set_at: Array) -> tuple[Array, Array]:
-    """Palms (n, 7) from before the part, where the hand is set (7,), to it, with it, off it, and back to where they
-    came from; and how far the fingers are closed (n), 0 to 1.
-    """
-    way, closed, back = _course(task, part)
-    palms = on_part(part, part.palm(set_at).row()[None], way)[:, 0]
-    palms[:, :3] += back[:, None] * rotate(part.way(way)[1], part.off)
-    return palms, closed
-
-
-def _course(task: HumanTask, part: Part) -> tuple[Array, Array, Array]:
-    """From before the part on, the shares of its way (n), how far the fingers are closed (n), and the hand off (n)."""
-    counts = [round(seconds * task.rate) for seconds in (_COMES, _CLOSES, part.seconds, _OPENS, _LEAVES, _RETURNS)]
-    share = [minimum_jerk(np.arange(1, count + 1) / count) for count in counts]
-    zero = [np.zeros(count) for count in counts]
-    back = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3], share[4], zero[5] + 1.0])
-    way = np.concatenate([zero[0], zero[1], share[2], zero[3] + 1.0, zero[4] + 1.0, 1.0 - share[5]])
-    closed = np.concatenate([zero[0], share[1], zero[2] + 1.0, 1.0 - share[3], zero[4], zero[5]])
-    return way, closed, back

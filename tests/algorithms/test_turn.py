@@ -26,6 +26,7 @@ from .scene import WORKSPACE, Body, frame_of, program, record
 
 TAP = "room/sink/tap"
 LARGEST = 0.87  # radians
+WALKED = WORKSPACE.objects.get("tap").affordances["turn"].motion  # where the hand goes not well with it from here
 AT = np.array([0.075, 0.0, 0.243])  # of the lever in the tap's frame while it is shut
 
 
@@ -37,10 +38,11 @@ def standing(name: str, aside: float = 0.0, away: float = 0.72, turned: float = 
 
 def turning(body: Body, angle: float = 0.0, **given: Any) -> Start:
     states = {"turn": angle, "flow": "running" if angle else "shut"}
+    said: dict[str, Any] = {"frames": 0, "wish": True, "parameters": {"along": 1.0}, "motion": str(WALKED)}
     return Start(
         kind="human", human=body.skeleton.to_record(), pose=PoseRecord.of(body.rotations, body.root), site="lever",
         object=outlined(record(TAP, None, states, shaped=True), 3), world=[outlined(record("room/sink"), 11)],
-        **({"frames": 0, "wish": True, "parameters": {"along": 1.0}} | given),
+        **(said | given),
     )  # fmt: skip
 
 
@@ -194,7 +196,42 @@ def test_it_is_refused_from_afar_while_carried_and_without_a_shape() -> None:
             list(frames(program("turn"), start))
     body.root = body.root + np.array([-1.5, 0.0, 0.0])
     with pytest.raises(AlgorithmError, match="too short"):
-        list(frames(program("turn"), turning(body)))
+        list(frames(program("turn"), turning(body, motion=None)))  # with a walk library one goes there
+
+
+@pytest.mark.parametrize(
+    ("name", "aside", "away"),
+    [
+        ("aiko", 0.0, 0.72), pytest.param("ken", 0.15, 0.72, marks=pytest.mark.long),
+        pytest.param("ken", 0.0, 0.64, marks=pytest.mark.long),
+    ],
+)  # fmt: skip
+def test_who_would_lose_the_lever_from_here_or_be_in_it_turns_it_from_elsewhere(
+    name: str, aside: float, away: float
+) -> None:
+    """Their wrists do not go along: it was left at 0.82, and fingers were 2.1, 7.4 and 6.9 mm in it."""
+    body = standing(name, aside, away)
+    here, before = body.root.copy(), PoseRecord.of(body.rotations, body.root)
+    shown = body.do("turn", turning(body, busy=["right"]))
+    moves = msgspec.structs.replace(turning(body), kind="object", pose=before, hand="left")
+    told = [0.0]
+    for pose in frames(program("turned"), moves, body.rows(shown)):
+        told.append(float((pose.states or {}).get("turn", told[-1])))
+    angles = np.array(told[1:])
+    assert np.linalg.norm(shown[-1].root[:2] - here[:2]) > 0.08
+    assert angles[-1] == pytest.approx(LARGEST, abs=0.02)
+    palms = np.array([grips(body.skeleton, pose.rotations, pose.root)[1, :3] for pose in shown])
+    near = np.flatnonzero(np.linalg.norm(palms - frame_of(TAP).apply(AT), axis=1) < 0.2)
+    assert len(near) > 100
+    for k in near[::4].tolist():
+        assert min(from_lever(name, "left", shown[k], float(angles[k])).values()) > -0.0016, k
+
+
+def test_who_can_not_go_elsewhere_is_told_what_to_do() -> None:
+    """A lever that the hand would lose is not half turned."""
+    body = standing("aiko")
+    with pytest.raises(AlgorithmError, match=r"would not stay on room/sink/tap .* use the other hand"):
+        list(frames(program("turn"), turning(body, busy=["right"], motion=None)))
 
 
 def test_the_free_hand_is_used() -> None:
