@@ -117,8 +117,12 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
             return -np.inf
         return min(found[0].gap, KEEPS) - sunk_at(reaching, found[0].clear, part.site.place, plates)
 
+    def amiss(worked: tuple[_Tried, bool]) -> float:
+        """Metres for which one rather stands elsewhere: a hand's neighbours, or a wrist that does not go along."""
+        return worked[0].touches if is_control(task) else worked[0].on_part
+
     task, gaze, (best, is_last) = yield from or_elsewhere(
-        task, gaze, attempt, worth, lambda worked: worked[0].flaw, lambda worked: worked[0].touches
+        task, gaze, attempt, worth, lambda worked: worked[0].flaw, amiss
     )
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made

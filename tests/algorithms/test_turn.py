@@ -202,14 +202,18 @@ def test_it_is_refused_from_afar_while_carried_and_without_a_shape() -> None:
 @pytest.mark.parametrize(
     ("name", "aside", "away"),
     [
-        ("aiko", 0.0, 0.72), pytest.param("ken", 0.15, 0.72, marks=pytest.mark.long),
+        ("aiko", 0.0, 0.72), pytest.param("ken", 0.05, 1.03, marks=pytest.mark.long),
+        pytest.param("ken", 0.15, 0.72, marks=pytest.mark.long),
         pytest.param("ken", 0.0, 0.64, marks=pytest.mark.long),
     ],
 )  # fmt: skip
 def test_who_would_lose_the_lever_from_here_or_be_in_it_turns_it_from_elsewhere(
     name: str, aside: float, away: float
 ) -> None:
-    """Their wrists do not go along: it was left at 0.82, and fingers were 2.1, 7.4 and 6.9 mm in it."""
+    """Their wrists do not go along: it was left at 0.82, and fingers were 2.1, 7.4 and 6.9 mm in it.
+
+    And who leans to it from a metre away, the palm 79 mm from where it should be, left it at 0.10 as it was shut.
+    """
     body = standing(name, aside, away)
     here, before = body.root.copy(), PoseRecord.of(body.rotations, body.root)
     shown = body.do("turn", turning(body, busy=["right"]))
@@ -223,7 +227,7 @@ def test_who_would_lose_the_lever_from_here_or_be_in_it_turns_it_from_elsewhere(
     palms = np.array([grips(body.skeleton, pose.rotations, pose.root)[1, :3] for pose in shown])
     near = np.flatnonzero(np.linalg.norm(palms - frame_of(TAP).apply(AT), axis=1) < 0.2)
     assert len(near) > 100
-    for k in near[::4].tolist():
+    for k in near[::8].tolist():
         assert min(from_lever(name, "left", shown[k], float(angles[k])).values()) > -0.0016, k
 
 
