@@ -35,6 +35,7 @@ from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.in_part import InPart
 from ahmss.skills.keeping import kept_clear
 from ahmss.skills.off_target import too_short
+from ahmss.skills.opening import opens_by
 from ahmss.skills.out_of_reach import EXACT, refuse_short
 from ahmss.skills.part_course import along, course, moved
 from ahmss.skills.part_ways import (
@@ -249,14 +250,15 @@ def _tried(
 
     def perform(plan: Plan) -> Generator[Array, None, Performed]:
         grip = min(taken[plan.reacher.side], key=lambda grip: grip.turned_from(plan.palm))
-        wide = open_hand(task, plan.reacher.side, grip.holding)
-        plan = yield from gaze.during(rest.round(plan, part, wide))
+        wide, near = open_hand(task, plan.reacher.side, grip.holding), beside(task)
+        share = opens_by(task, plan.reacher.side, *moved(task, part, plan.palm), (wide, grip.holding.shape), near)
+        plan = yield from gaze.during(rest.round(plan, part, slerp(grip.holding.shape, wide, share)))
         yield from gaze.if_there_is_time()
-        made = yield from _made(task, part, plan, gaze, reaching, grip.holding, rest)
+        made = yield from _made(task, part, plan, gaze, reaching, grip.holding, rest, share)
         missed = _missed(task, part, plan, made)
         if instead is None or missed <= _MISSED:
             return made
-        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding, rest)
+        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding, rest, share)
         return so if _missed(task, instead, plan, so) < missed else made
 
     def missed(plan: Plan, made: Performed) -> float:
@@ -320,13 +322,20 @@ def _shown(made: Performed, back: Array) -> tuple[Array, Array]:
 
 
 def _made(
-    task: HumanTask, part: Part, plan: Plan, gaze: Looking, reaching: Reaching, holding: Holding, rest: Rest
+    task: HumanTask,
+    part: Part,
+    plan: Plan,
+    gaze: Looking,
+    reaching: Reaching,
+    holding: Holding,
+    rest: Rest,
+    share: float,
 ) -> Generator[Array, None, Performed]:
-    """The frames of a plan, the fingers closing and opening."""
+    """The frames of a plan, the fingers closing and opening, that by a share of as wide as they come."""
     side = plan.reacher.side
     then, closed = moved(task, part, plan.palm)
     holding = held_on(task, part, side, plan.palm, holding)
-    wide, links = open_hand(task, side, holding), list(fingers(side))
+    wide, links = slerp(holding.shape, open_hand(task, side, holding), share), list(fingers(side))
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then, rest.on_way(side, part))
     n, way = len(then), course(task, part)[0]
     palms = made.targets[-n:, plan.reacher.row, :7]

@@ -15,6 +15,7 @@ from ahmss.body.inverse import solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
+from ahmss.grasping.hand import Hand
 from ahmss.skills.box import Box, boxes_of
 from ahmss.skills.controls import front_of
 
@@ -162,6 +163,14 @@ class Used:
         links = [INDEX[f"{side}_hand"] for side in ("right", "left")] + list(fingers("right")) + list(fingers("left"))
         ends = places[:, links] + rotate(turned[:, links], self.body.skeleton.tips[links])
         return np.concatenate([places[:, links], 0.5 * (places[:, links] + ends), ends], axis=1)
+
+    def clear(self, boxes: list[Box]) -> float:
+        """Metres between the skin of the fingers that act and any of these boxes; negative within."""
+        hand, (places, turned) = Hand.of(self.body.skeleton, self.side), self._placed()
+        middles, radii = hand.balls(np.array([pose.rotations[list(fingers(self.side))] for pose in self.shown]))
+        wrist, turn = (of[:, INDEX[f"{self.side}_hand"], None, None] for of in (places, turned))
+        points = (wrist + rotate(turn, middles)).reshape(-1, radii.size, 3)
+        return min(float((box.gap(points) - radii.ravel()).min()) for box in boxes)
 
     def nearest(self, boxes: Iterator[Box] | list[Box]) -> float:
         """Metres between any point of the hands and any of these boxes; negative within."""

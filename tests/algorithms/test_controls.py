@@ -133,6 +133,15 @@ def test_neighbours_of_a_lever_are_left_alone() -> None:
     assert done.nearest(layout.others(levers[2])) > 0.0
 
 
+def test_a_thumb_opens_no_wider_than_a_neighbour_leaves_room() -> None:
+    """Open as wide as it comes it was 5.6 mm in the lever beside, that as if its knob were anywhere on its way."""
+    lever = Control(1, "lever", Transform(np.array([-0.643, 0.121, 0.952]), np.array([0.856, 0.013, -0.511, 0.082])))
+    other = Control(2, "lever", Transform(np.array([-0.61, 0.057, 0.954]), np.array([0.82, 0.151, -0.512, 0.209])))
+    body = Body("ken", -0.131, 0.343, -171.0)
+    done = used(body, Layout((lever, other)).start(lever, body, "slide", parameters={"level": 0.8}), "slide")
+    assert done.clear(other.boxes()) > -0.002
+
+
 @pytest.mark.parametrize(("name", "which"), [("ken", 1), ("aiko", 2)])
 def test_neighbours_of_a_switch_are_left_alone(name: str, which: int) -> None:
     """They are 91 mm apart, as on a panel: fingers that do not turn it are closed into the palm."""
