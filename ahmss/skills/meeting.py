@@ -85,7 +85,7 @@ def _gone(task: HumanTask, place: Array, facing: float) -> Iterator[Array]:
     """The frames of a walk to a place (2,), hands and what they hold kept out of things by the way."""
     begun = again(task)
     begun.present = task.present  # which goes on
-    return kept_clear(begun, _walked(task, Tucking(begun), place, facing))
+    return kept_clear(begun, _walked(task, Tucking(begun, others=partial(walkers, task)), place, facing))
 
 
 def _walked(task: HumanTask, tucking: Tucking, place: Array, facing: float) -> Iterator[Array]:

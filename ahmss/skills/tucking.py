@@ -1,12 +1,13 @@
 """Arms of who walks are drawn in where their swing would take a hand through a thing beside the way.
 
 A hand that hangs beside a counter comes up before the belly, as people do who pass or turn close by, and goes down
-again when there is room; what would still be in a thing, on the way there too, is moved aside.
+again when there is room; what would still be in a thing, on the way there too, is moved aside. Past other people they
+swing less (`ahmss.skills.arms_in`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -21,8 +22,10 @@ from ahmss.body.quaternion import align, conjugate, from_matrix, multiply, rotat
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.edit import floor_frame
 from ahmss.reaching.prism import Prism, clearance
+from ahmss.skills.arms_in import ArmsIn
 from ahmss.skills.hanging import Hanging
 from ahmss.skills.reaching import prisms_of
+from ahmss.walking.walkers import Walker
 
 __all__ = ["Tucking"]
 
@@ -50,11 +53,13 @@ class Tucking:
     """How far each arm is drawn in, from piece to piece of a walk; hands that hold something are left alone.
 
     first: frames in which it is careful, as who sets out from beside a thing turns there. but: an arm that is left
-    alone as well, and with it the task's object, which it moves.
+    alone as well, and with it the task's object, which it moves. others: who else is on the floor now; None: nobody.
     """
 
-    def __init__(self, task: HumanTask, first: int = _FIRST, but: str = "") -> None:
-        self._first = first
+    def __init__(
+        self, task: HumanTask, first: int = _FIRST, but: str = "", others: Callable[[], Sequence[Walker]] | None = None
+    ) -> None:
+        self._first, self._about = first, others
         self._task = task
         self._given = self._first_given = np.zeros((0, 4))
         self._skeleton, self._coming = task.human, set[str]()
@@ -62,6 +67,7 @@ class Tucking:
         self._sides = [side for side in _SIDES if side not in task.busy and side != but]
         self._prisms = [prism for prism in prisms_of(task) if not (but and prism.sought)]
         self._hanging = {side: Hanging(task.human, side, task.rate) for side in self._sides}
+        self._past = ArmsIn(task.human, task.rate, self._sides)
         self._level = {side: np.zeros(3) for side in _SIDES}
         self._wanted = dict.fromkeys(_SIDES, first > 0)
         # As they were after each frame of the last piece.
@@ -101,6 +107,7 @@ class Tucking:
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
+        rows = self._past.over(rows, [] if self._about is None else self._about())
         others = self._others(self._frames)
         begun, self._frames = self._frames, self._frames + len(rows)
         given, last = self._last
@@ -119,6 +126,7 @@ class Tucking:
         given, made = self._last
         if count == len(given):
             return
+        self._past.keep(count)
         self._frames -= len(given) - count
         self._last, self._rests = (given[:count], made[:count]), False
         self._given = made[count - 1, 4:176].reshape(43, 4).copy()
