@@ -41,7 +41,7 @@ _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # o
 
 def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
     """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them."""
-    arms = [_Held(task, side) for side in task.busy]
+    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side) for side in task.busy]
     if not arms:
         yield from made
         return
@@ -71,29 +71,28 @@ def _soon(task: HumanTask, row: Array) -> Array | None:
 
 
 class _Held:
-    """One arm whose hand holds something."""
+    """The arm whose hand holds something, or both arms that hold one thing between them: they go aside together."""
 
-    def __init__(self, task: HumanTask, side: str) -> None:
-        self._reacher, self._aside, self._things = Reacher.of(task.human, side), Aside(task.rate), Things(task)
-        self._held, self._thick = points_of(task, side, task.in_hand(side))
+    def __init__(self, task: HumanTask, *sides: str) -> None:
+        self._reachers = [Reacher.of(task.human, side) for side in sides]
+        self._aside, self._things = Aside(task.rate), Things(task)
+        self._held, self._thick = points_of(task, sides[0], task.in_hand(sides[0]))
         self._along: Array | None = None  # the way of the body
         self._last: Array | None = None  # where its points were at the frame before
-        self._task, self._given = task, task.start.rotations[self._reacher.links].copy()
+        self._task, self._given = task, [task.start.rotations[reacher.links].copy() for reacher in self._reachers]
 
     def way(self, rotations: Array, root: Array, soon: Array | None) -> Array:
         """Points (n + 30, m, 3) of forearm, hand and what it holds in poses (n, 43, 4), (n, 3), and as they go on.
 
         soon: how far (30, 1, 3) the body is to go on from there, where that is known.
         """
-        reacher = self._reacher
-        skin, self._radii = skin_of(reacher, rotations, root)
-        spine = seat(reacher.skeleton, rotations, root)
-        wrist = wrist_of(reacher.arm, reacher.arm.from_pose(rotations[:, reacher.links]))
-        turn = multiply(spine[1], reacher.arm.rotation)
-        self._shoulders = reacher.shoulder(spine)
-        place, turned = self._shoulders + rotate(turn, wrist.place), multiply(turn, wrist.rotation)
+        skins = [skin_of(reacher, rotations, root) for reacher in self._reachers]
+        hands = [_hand(reacher, rotations, root) for reacher in self._reachers]
+        self._shoulders = np.mean([shoulder for shoulder, _, _ in hands], axis=0)
+        _, place, turned = hands[0]
         held = place[:, None] + rotate(turned[:, None], self._held)
-        self._radii = np.concatenate([self._radii, self._thick])
+        self._radii = np.concatenate([*(radii for _, radii in skins), self._thick])
+        skin = np.concatenate([points for points, _ in skins], axis=1)
         self._skin = skin.shape[1]
         points = np.concatenate([skin, held], axis=1)
         before = points[-2] if len(points) > 1 else self._last
@@ -105,13 +104,12 @@ class _Held:
 
     def over(self, rows: Array, rotations: Array, root: Array, way: Array, first: int) -> None:
         """Change rows (n, ...) of poses (n, 43, 4), (n, 3), from frame `first` of its points (N + 30, m, 3) on."""
-        links = self._reacher.links
         if self._is_anothers():
             self._aside = Aside(self._task.rate)
             return
         prisms = self._things.about(root[0], sought=True)
         for k in range(len(rows)):
-            rows[k, _ROTATIONS].reshape(43, 4)[links] = self._given = rotations[k, links]
+            self._give(rows[k], [rotations[k, reacher.links] for reacher in self._reachers])
             ahead = way[first + k + np.array(_AHEAD)]
             aside, room = self._aside.moved, float(self._radii.max()) + AIR + _MOVES
             low, high = ahead.min(axis=(0, 1)) - room, ahead.max(axis=(0, 1)) + room
@@ -124,17 +122,31 @@ class _Held:
             moved = self._aside.step(near, ahead.reshape(-1, 3), radii, self._along, shoulder)
             if self._aside.still:
                 continue
-            self._given = with_hand_moved(self._reacher, rotations[k], root[k], moved)
-            rows[k, _ROTATIONS].reshape(43, 4)[links] = self._given
-            cares = slice(_IMPORTANCE + links.start, _IMPORTANCE + links.stop)
+            self._give(rows[k], [with_hand_moved(reacher, rotations[k], root[k], moved) for reacher in self._reachers])
             share = min(float(np.linalg.norm(moved)) / _ALL, 1.0)
-            rows[k, cares] = np.maximum(rows[k, cares], _CARES * share)
+            for reacher in self._reachers:
+                cares = slice(_IMPORTANCE + reacher.links.start, _IMPORTANCE + reacher.links.stop)
+                rows[k, cares] = np.maximum(rows[k, cares], _CARES * share)
+
+    def _give(self, row: Array, arms: list[Array]) -> None:
+        """Tell how the arms (3, 4) are in a row (260,) or (272,)."""
+        for reacher, arm in zip(self._reachers, arms, strict=True):
+            row[_ROTATIONS].reshape(43, 4)[reacher.links] = arm
+        self._given = arms
 
     def _is_anothers(self) -> bool:
         """Whether the arm is not where it was left."""
-        now = self._task.present.rotations[self._reacher.links]
-        off = np.linalg.norm(to_rotation_vector(multiply(conjugate(self._given), now)), axis=-1)
+        now = [self._task.present.rotations[reacher.links] for reacher in self._reachers]
+        off = np.linalg.norm(to_rotation_vector(multiply(conjugate(np.array(self._given)), np.array(now))), axis=-1)
         return bool(off.max() > _OTHERS)
+
+
+def _hand(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array, Array]:
+    """Where the shoulder (n, 3) and the hand (n, 3), (n, 4) are in poses (n, 43, 4), (n, 3)."""
+    spine = seat(reacher.skeleton, rotations, root)
+    wrist = wrist_of(reacher.arm, reacher.arm.from_pose(rotations[:, reacher.links]))
+    turn, shoulder = multiply(spine[1], reacher.arm.rotation), reacher.shoulder(spine)
+    return shoulder, shoulder + rotate(turn, wrist.place), multiply(turn, wrist.rotation)
 
 
 def _deep_in(prism: Prism, points: Array) -> bool:

@@ -1,8 +1,9 @@
 """An object that is carried between both palms, level, and stands again where they put it down.
 
-The palms hold it while each is at its site, `right` and `left`, and pressed to that side. It goes with the middle
+The palms take it where each is at its site, `right` and `left`, and pressed to that side. It goes with the middle
 between them and turns with the line that joins them. It is never lower than where it stood, as on a floor; while it
-stands there, palms that go down slide along it.
+stands there, palms that go down slide along it, and palms that go apart leave it. In the air nothing else bears it: it
+goes with them there, whatever they do, until it stands again.
 """
 
 from __future__ import annotations
@@ -32,8 +33,9 @@ def between_hands(task: ObjectTask) -> Iterator[ObjectPose]:
     for human in task.frames():
         palms = np.array([human.grip(hand).place for hand in HANDS])
         carried = _between(palms)
-        if in_hands is not None and _holds(human, palms, carried.then(in_hands), sites, threshold):
-            held = carried.then(in_hands)
+        held = None if in_hands is None else carried.then(in_hands)
+        in_air = frame.place[2] > floor + SETTLES
+        if in_hands is not None and held is not None and (in_air or _holds(human, palms, held, sites, threshold)):
             if held.place[2] > floor or frame.place[2] > floor:
                 frame = Transform(np.array([*held.place[:2], max(held.place[2], floor)]), held.rotation)
             if held.place[2] <= floor:  # it stands, and the palms slide

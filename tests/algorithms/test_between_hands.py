@@ -39,13 +39,13 @@ def palm(side: float, place: Array) -> Array:
     return np.concatenate([place, from_matrix(np.stack([out, np.cross(thumb, out), thumb], axis=-1))])
 
 
-def carried(middles: Iterable[tuple[float, float, float]], apart: float = 0.36) -> Array:
-    """Where the box is (F, 3) when the middle of the palms goes through these places."""
+def carried(middles: Iterable[tuple[float, ...]], apart: float = 0.36) -> Array:
+    """Where the box is (F, 3) when the middle of the palms goes through these places, or they are so far apart, too."""
     rotations, root = SKELETON.upright()
     rows = []
     for k, middle in enumerate(middles, 1):
-        x, y, z = middle
-        right, left = (palm(side, np.array([x, y + 0.5 * side * apart, z])) for side in (-1.0, 1.0))
+        x, y, z, wide = (*middle, apart)[:4]
+        right, left = (palm(side, np.array([x, y + 0.5 * side * wide, z])) for side in (-1.0, 1.0))
         rows.append(np.concatenate([[k], root, rotations.reshape(172), right, left]))
     poses = list(frames(program("between_hands"), start(), rows))
     assert all(isinstance(pose, ObjectPose) for pose in poses)
@@ -76,3 +76,14 @@ def test_palms_that_go_down_along_it_take_it_where_they_begin_to_rise() -> None:
 def test_palms_that_do_not_touch_it_leave_it(apart: float, middle: float) -> None:
     places = carried([(middle, 0.0, FLOOR + 0.2 + 0.01 * k) for k in range(20)], apart)
     np.testing.assert_allclose(places, np.broadcast_to([0.0, 0.0, FLOOR], places.shape))
+
+
+def test_what_is_in_the_air_goes_with_palms_that_go_apart_and_is_left_where_it_stands_again() -> None:
+    """It hung in the air where a hand had gone aside by itself, while its holder walked off."""
+    rise = [(0.0, 0.0, FLOOR + 0.2 + 0.01 * k) for k in range(31)]
+    apart = [(0.01 * k, 0.0, FLOOR + 0.5, 0.36 + 0.004 * k) for k in range(21)]
+    down = [(0.2, 0.0, FLOOR + 0.5 - 0.01 * k, 0.44) for k in range(31)]
+    off = [(0.2, 0.0, FLOOR + 0.2 + 0.01 * k, 0.44) for k in range(11)]
+    places = carried([*rise, *apart, *down, *off])
+    np.testing.assert_allclose(places[51], [0.2, 0.0, FLOOR + 0.3], atol=1e-12)
+    np.testing.assert_allclose(places[-1], [0.2, 0.0, FLOOR], atol=1e-12)
