@@ -346,6 +346,7 @@ class Control:
             self._claims.leave_on_its_way(mover, motion.passes)
         if motion.order.affordance.hold == GIVE:  # it stays in the hand
             return
-        lets_go = motion.order.affordance.hold == "release" and not (mover.order.hand and motion.can_rest)
+        stays = mover.order.hand and (motion.can_rest or motion.given is None)  # the hand has not begun to let go
+        lets_go = motion.order.affordance.hold == "release" and not stays
         if lets_go or not (mover.caught or mover.borne):
             self._claims.release(mover)

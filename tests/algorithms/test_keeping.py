@@ -10,9 +10,9 @@ from ahmss.algorithm import HumanPose, HumanTask, Transform
 from ahmss.algorithm.messages import Goal, ObjectRecord
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
-from ahmss.body.inverse import grips
+from ahmss.body.inverse import grips, solve
 from ahmss.body.links import INDEX, fingers
-from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate, to_rotation_vector
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, to_rotation_vector
 from ahmss.reaching.moved_hand import with_hand_moved
 from ahmss.reaching.reacher import Reacher
 from ahmss.skills.box import filled
@@ -113,3 +113,34 @@ def test_what_is_carried_past_a_panel_keeps_out_of_it(name: str, side: str, x: f
     arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
     turned = to_rotation_vector(multiply(conjugate(rotations[:-1, arm]), rotations[1:, arm]))
     assert np.degrees(np.linalg.norm(turned, axis=-1)).max() < 4.0
+
+
+def bearing(name: str, at: tuple[float, float, float]) -> tuple[Body, ObjectRecord]:
+    """Somebody who stands somewhere, facing so many degrees, with a carton between both hands; the carton."""
+    body = Body(name, *at)
+    ahead, left = (np.array([np.cos(turn), np.sin(turn), 0.0]) for turn in np.radians([at[2], at[2] + 90.0]))
+    middle, targets = np.array([*body.root[:2], 1.0]) + 0.32 * ahead, np.zeros((5, 8))
+    for row, sign in ((0, -1.0), (1, 1.0)):  # the palm to the other side, the thumb ahead
+        palm = np.stack([-sign * left, np.cross(ahead, -sign * left), ahead], axis=-1)
+        targets[row] = [*(middle + sign * 0.18 * left), *from_matrix(palm), 1.0]
+    body.rotations = solve(body.skeleton, body.rotations, body.root, targets)
+    turn = from_axis_angle(np.array([0.0, 0.0, 1.0]), float(np.radians(at[2])))
+    carton = device("carton", Transform(middle - np.array([0.0, 0.0, 0.2]), turn))
+    return body, msgspec.structs.replace(carton, id=21, footprint=[])
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize("y", [0.66, -0.66])
+def test_both_arms_go_aside_together_with_what_they_hold_between_them(name: str, y: float) -> None:
+    """One palm left a carton's side beside a panel, and the carton hung in the air from there on."""
+    body, carton = bearing(name, (1.29, y, 0.0))  # beside the panel, one hand a little in it
+    world = [numbered(device("panel", PANEL), 20), carton]
+    start = begun(
+        body, None, "", {}, motion=WALKS, world=world, busy=["left", "right"], held={"right": 21, "left": 21},
+        goal=Goal(place=(0.2, 0.6, 0.0)),
+    )  # fmt: skip
+    shown = body.do("walk", start)
+    palms = grips(body.skeleton, np.array([p.rotations for p in shown]), np.array([p.root for p in shown]))
+    right, left = palms[..., :3].swapaxes(0, 1)
+    assert np.ptp(np.linalg.norm(left - right, axis=-1)) < 0.003
+    assert np.abs((left - right)[:, 2]).max() < 0.003

@@ -407,12 +407,27 @@ from ahmss.errors import AlgorithmError
 
 def refuse(task: HumanTask):
     for k in task.frames():
-        if k == 10:
+        if k == task.parameter("stuck", 10):
             raise AlgorithmError("the lid is stuck; open it first")
         yield task.pose({})
 
 run(refuse)
 """
+STUCK = '[parameters.stuck]\ntype = "int"\ndefault = 10\n'
+
+
+@pytest.mark.parametrize(("stuck", "holder"), [(1, "ken"), (10, "")])
+def test_what_is_not_put_down_is_still_held_and_is_let_go_where_the_hand_has_begun_to(
+    workspace: Path, ken: MainProcess, stuck: int, holder: str
+) -> None:
+    """A carton fell out of the hands of who stood where it can't be put down."""
+    write_algorithm(workspace, "refuse", "human", STUCK, REFUSES)
+    with (workspace / "objectdb/box/object.toml").open("a") as file:
+        file.write('\n[affordances.lay]\nhuman_algorithm = "refuse"\nobject_algorithm = "carry"\n')
+        file.write('hold = "release"\nframes = 20\n')
+    film = Film(ken, "do b take frames 30", f"do b lay stuck={stuck}", "do b bow frames 40")
+    assert ken.communication.world.objects["b"].holder == holder
+    assert (film.box[-1][2] < 0.06) == (not holder)
 
 
 @pytest.mark.parametrize(
@@ -422,7 +437,7 @@ run(refuse)
 def test_what_is_refused_is_not_announced_first_and_is_said_in_the_words_of_who_refuses(
     workspace: Path, ken: MainProcess, line: str, why: str
 ) -> None:
-    write_algorithm(workspace, "refuse", "human", "", REFUSES)
+    write_algorithm(workspace, "refuse", "human", STUCK, REFUSES)
     with (workspace / "objectdb/box/object.toml").open("a") as file:
         file.write('\n[affordances.pry]\nhuman_algorithm = "refuse"\nframes = 60\n')
     said: list[str] = []
