@@ -22,6 +22,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.planting import feet
 from ahmss.motion.way import staying
 from ahmss.skills.giving_way import points_of
+from ahmss.skills.load import with_load
 from ahmss.skills.out_of_reach import walk_there
 from ahmss.skills.rising import crouches, risen
 from ahmss.skills.sitting import must_stand, stands
@@ -30,6 +31,7 @@ from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing
 from ahmss.walking.library import Library
 from ahmss.walking.pieces import LOOKS
+from ahmss.walking.standing_room import Room
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
 __all__ = [
@@ -210,6 +212,7 @@ def stepped(
     library = walk_library(task)
     task = yield from risen(task, IMPORTANCE, task.busy)
     start = task.start
+    goal = Goal(with_load(task, Room(goal.place), goal.facing, ground).place, goal.facing)
     standing = Standing.of(task.human, library)
     now = footing(task.human, start.rotations, start.root, standing)
     away = float(np.linalg.norm(goal.place - now.place))

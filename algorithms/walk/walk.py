@@ -19,13 +19,14 @@ from ahmss.motion.planting import feet
 from ahmss.motion.way import staying
 from ahmss.skills.keeping import kept_clear
 from ahmss.skills.letting_down import let_down, let_down_free
+from ahmss.skills.load import with_load
 from ahmss.skills.rising import risen
 from ahmss.skills.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library, walkers
 from ahmss.skills.tucking import Tucking
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, check_floor, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
 from ahmss.walking.library import BODY, Library
-from ahmss.walking.standing_room import with_room
+from ahmss.walking.standing_room import Room, with_room
 from ahmss.walking.trip import Ground, Piece, Trip
 
 TOLD = 0.006  # metres that a place is moved: less is not told, nor done
@@ -45,8 +46,7 @@ def _walk(task: HumanTask) -> Iterator[Array]:
     check_distance(goal.place, task.start.root[:2])
     if task.goal_place is not None and task.object is not None:
         check_floor(goal.place, _floors(task, task.object), task.object.name)
-    if task.goal_object is None:
-        goal = _with_room(task, goal, ground)
+    goal = _with_room(task, goal, ground)
     task = yield from risen(task, IMPORTANCE)
     if _stands_there(task, library, goal):
         task.note("one stands there already, so no step is taken")
@@ -63,10 +63,11 @@ def _walk(task: HumanTask) -> Iterator[Array]:
 
 
 def _with_room(task: HumanTask, goal: Goal, ground: Ground) -> Goal:
-    """The goal, or where beside it no part of the body is in a thing; as it is where there is no such place."""
-    room = with_room(task.human, goal, ground)
-    off = 0.0 if room is None else float(np.linalg.norm(room.place - goal.place))
-    if room is None or off < TOLD:
+    """The goal, or where beside it no part of the body is in a thing, or of what is carried; else as it is."""
+    room = with_room(task.human, goal, ground) if task.goal_object is None else None
+    room = with_load(task, room or Room(goal.place), goal.facing, ground)
+    off = float(np.linalg.norm(room.place - goal.place))
+    if off < TOLD:
         return goal
     x, y = room.place.tolist()
     task.note(f"stands at {x:.2f} {y:.2f}, {100.0 * off:.0f} cm from there, not to be in {room.beside}")
