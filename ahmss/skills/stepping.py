@@ -222,7 +222,7 @@ def stepped(
     if away > most:
         raise AlgorithmError(f"{to} is {away:.1f} m from here; {walk_there(task, to)}")
     stance, held = Stance(start.rotations.copy(), start.root.copy()), _held(task)
-    tucking = Tucking(task, others=partial(walkers, task))
+    tucking = Tucking(task, others=partial(in_the_way, task))
     trip = Trip(
         task.human, library, ground, goal.place, goal.facing, others=partial(in_the_way, task), note=task.note,
         held=task.busy, rests=lambda: task.rests, things=in_hands(task),

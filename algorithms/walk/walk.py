@@ -21,7 +21,7 @@ from ahmss.skills.keeping import kept_clear
 from ahmss.skills.letting_down import let_down, let_down_free
 from ahmss.skills.load import with_load
 from ahmss.skills.rising import risen
-from ahmss.skills.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library, walkers
+from ahmss.skills.stepping import IMPORTANCE, ground_of, in_hands, in_the_way, in_time, rows_of, walk_library
 from ahmss.skills.tucking import Tucking
 from ahmss.walking.goals import REACH, Goal, beside, check_distance, check_floor, facing_of
 from ahmss.walking.journey import Standing, footing, stands_at
@@ -56,7 +56,7 @@ def _walk(task: HumanTask) -> Iterator[Array]:
         task.human, library, ground, goal.place, goal.facing, task.length, partial(in_the_way, task),
         task.note, task.busy, lambda: task.rests, in_hands(task),
     )  # fmt: skip
-    tucking = Tucking(task, others=partial(walkers, task))
+    tucking = Tucking(task, others=partial(in_the_way, task))
     for piece in trip.pieces(task.start.rotations, task.start.root):
         shown = yield from in_time(piece, tucking.over(rows_of(task, piece)))
         tucking.keep(shown)
