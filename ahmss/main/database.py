@@ -26,6 +26,7 @@ from ahmss.main.command import Act
 from ahmss.main.company import KIND
 from ahmss.main.description import Description, Scene, describe, describe_human, four, triple
 from ahmss.main.details import PATIENCE, frames_of, patience_of, refuse_incomplete, refuse_unknown
+from ahmss.main.laid import laid, refuse_no_room
 from ahmss.main.naming import find_object
 from ahmss.main.occupied import refuse_occupied
 from ahmss.main.order import Order
@@ -147,6 +148,9 @@ class Database:
             raise CommandError(who_reaches(reason, scene, what, actor))
         if "goal_position" in affordance.asks and name in actor.holds and order.goal.place is not None:
             refuse_occupied(self.workspace, scene, order.title, name, np.array(order.goal.place), actor.root)
+        if affordance.hold == "release" and affordance.motion and affordance.frames and name in actor.between:
+            place = laid(affordance.motion, scene.pose(name))
+            refuse_no_room(self.workspace, scene, order.title, name, place, actor)
         if order.affordance.hold == GIVE:
             refuse_full(scene, order.title, name)
 

@@ -6,7 +6,7 @@ top of its own is not: one puts things on it, or under it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -20,11 +20,15 @@ from ahmss.main.company import KIND
 from ahmss.main.description import Scene
 from ahmss.main.tops import height_of_what_is_under
 
-__all__ = ["refuse_occupied"]
+__all__ = ["FLAT", "TOUCHES", "outlines", "refuse_occupied"]
 
 _SAME = 0.05  # metres by which the bottoms of two things differ at most that stand on one surface
-_FLAT = 0.002  # metres: what is no higher over the surface is in nothing's way
-_TOUCHES = 0.001  # metres: what goes no farther into another only touches it
+FLAT = 0.002
+"""Metres: what is no higher over the surface is in nothing's way."""
+
+TOUCHES = 0.001
+"""Metres: what goes no farther into another only touches it."""
+
 _APART = 0.03  # metres beside what stands there: fingers that hold and let go have room
 _WITHIN, _GRID = 0.4, 0.02  # metres from the place within which others are looked at, and between these
 _THERE = 0.3  # what a metre to the place costs who puts it, where one from the place that was said costs 1
@@ -42,7 +46,7 @@ def refuse_occupied(workspace: Workspace, scene: Scene, title: str, held: str, p
     """
     low, radius = _size(workspace, scene.objects[held].kind)
     standing = dict(_standing(workspace, scene, held, place[2] + low))
-    inside = [name for name, shape in standing.items() if _gap(shape, place[None, :2])[0] < radius - _TOUCHES]
+    inside = [name for name, shape in standing.items() if _gap(shape, place[None, :2])[0] < radius - TOUCHES]
     if not inside:
         return
     steps = np.arange(-_WITHIN, _WITHIN + 0.5 * _GRID, _GRID)
@@ -66,24 +70,37 @@ def _is_on(workspace: Workspace, scene: Scene, held: str, at: Array, height: flo
 
 def _standing(workspace: Workspace, scene: Scene, held: str, level: float) -> Iterator[tuple[str, Any]]:
     """The names and outlines of what stands on the surface of a height, but for what is held by somebody."""
+
+    def stands_on_it(kind: str, low: float, high: float) -> bool:
+        same = abs(low - level) <= _SAME and high >= level + FLAT
+        return same and "top" not in workspace.objects.get(kind).sites
+
+    return outlines(workspace, scene, held, stands_on_it)
+
+
+def outlines(
+    workspace: Workspace, scene: Scene, held: str, meant: Callable[[str, float, float], bool]
+) -> Iterator[tuple[str, Any]]:
+    """The names of what is not held, and their outlines seen from above; of such as are meant.
+
+    Args:
+        held: what is not looked at. meant: tells it of a kind, and from what to what height it is there, metres.
+    """
     for name, record in scene.objects.items():
         if name == held or name.startswith(f"{held}/") or record.holder or record.kind == KIND:
             continue
         pose = scene.pose(name)
         try:
             shape = workspace.objects.shape(record.kind)
-            if shape is None or "top" in workspace.objects.get(record.kind).sites:
-                continue
-            low, high = (pose[2] + bound[2] for bound in shape.bounds)
-            if abs(low - level) > _SAME or high < level + _FLAT:
+            if shape is None or not meant(record.kind, *(float(pose[2] + bound[2]) for bound in shape.bounds)):
                 continue
             rings = workspace.objects.footprint(record.kind, float(pose[2]), pose[3:])
         except AhmssError:  # a broken file hides its own kind only; who names it is told
             continue
         turn = about_z(pose[3:])
         if rings:
-            outlines = [pose[:2] + rotate(turn, np.pad(np.array(ring), ((0, 0), (0, 1))))[:, :2] for ring in rings]
-            yield name, shapely.union_all([shapely.make_valid(shapely.Polygon(outline)) for outline in outlines])
+            rows = [pose[:2] + rotate(turn, np.pad(np.array(ring), ((0, 0), (0, 1))))[:, :2] for ring in rings]
+            yield name, shapely.union_all([shapely.make_valid(shapely.Polygon(row)) for row in rows])
 
 
 def _gap(shape: Any, places: Array) -> Array:

@@ -169,3 +169,49 @@ def test_what_stands_on_the_floor_is_not_put_into_either() -> None:
     order = database.order(Act("cup", "put", goal_place=(float(chair[0]), float(chair[1]))), made, actor)
     with pytest.raises(CommandError, match="room/chair stands there"):
         database.check(order, made, actor)
+
+
+def carrying(x: float, y: float, facing: float) -> tuple[Room, Actor]:
+    """Ken at a place in the control room, facing so many degrees, with a carton between both hands."""
+    made, actor = Room(kind="control_room"), ken(frozenset({"carton"}), carton="right")
+    turned = from_axis_angle(UP, np.radians(facing))
+    hips = multiply(turned, actor.rotations[0])
+    actor = replace(actor, root=np.array([x, y, actor.root[2]]), rotations=np.vstack([hips[None], actor.rotations[1:]]))
+    place = np.array([x, y, 0.82]) + rotate(turned, np.array([0.3, 0.0, 0.0]))
+    like = "control_room/panel"
+    made.objects["carton"] = structs.replace(
+        made.objects[like], name="carton", kind="carton", id=999, holder="ken", hand="right", parent="", states={}
+    )
+    made.placed["carton"] = structs.replace(
+        made.placed[like], name="carton", kind="carton", position=tuple(place.tolist()),
+        rotation=tuple(turned.tolist()), parent="",
+    )  # fmt: skip
+    return made, actor
+
+
+@pytest.mark.parametrize(("x", "y", "facing"), [(1.1, 0.0, 0.0), (1.1, 0.6, 0.0), (1.25, 0.3, -20.0)])
+def test_a_carton_is_not_put_down_into_a_panel_but_told_from_where_there_is_room(
+    x: float, y: float, facing: float
+) -> None:
+    """It was laid into the panel's foot."""
+    made, actor = carrying(x, y, facing)
+    database = Database(SHIPPED)
+    order = database.order(Act("carton", "put_down"), made, actor)
+    with pytest.raises(CommandError, match=r"carton put_down: control_room/panel.* stands there; step back") as told:
+        database.check(order, made, actor)
+    words = str(told.value).partition("walk to ")[2].rstrip("`").split()
+    made, actor = carrying(float(words[0]), float(words[1]), float(words[3]))
+    database.check(order, made, actor)
+    assert 0.04 < np.hypot(float(words[0]) - x, float(words[1]) - y) < 0.5
+
+
+def test_a_carton_is_put_down_where_there_is_room_and_not_through_a_table() -> None:
+    database = Database(SHIPPED)
+    made, actor = carrying(0.0, 0.0, 90.0)
+    order = database.order(Act("carton", "put_down"), made, actor)
+    database.check(order, made, actor)
+    beside = made.placed["control_room/panel"]
+    made.objects["table"] = structs.replace(made.objects["control_room/panel"], name="table", kind="table", id=998)
+    made.placed["table"] = structs.replace(beside, name="table", kind="table", position=(0.0, 0.9, 0.0))
+    with pytest.raises(CommandError, match="carton put_down: table stands there"):
+        database.check(order, made, actor)
