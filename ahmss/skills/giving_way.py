@@ -33,6 +33,7 @@ _NEWEST = 0.3  # of how the trunk moves, that the newest frame makes
 _DEEP = 0.06  # metres: what a hand is so deep in (a shelf, a basin), or the hips are over, is not in its way
 _ALL = 0.04  # metres
 _LARGEST = 0.5  # metres: what is larger in a hand is not looked at
+_ROUND = 0.03  # metres by which the edges of a thick one are rounded at the most
 _GRAIN, _COARSEST = 0.01, 0.065  # metres between its points at the least, at the most
 
 
@@ -139,11 +140,13 @@ def points_of(task: HumanTask, side: str, thing: WorldObject | None) -> tuple[Ar
     if thing is None or not isinstance(size, (list, tuple)) or len(size) != 3 or max(size) > _LARGEST:
         return np.zeros((0, 3)), np.zeros(0)
     length = np.array(size, float)
-    radius = 0.5 * float(length.min())
+    radius = min(0.5 * float(length.min()), _ROUND)
     low, high = np.array([-0.5, -0.5, 0.0]) * length + radius, np.array([0.5, 0.5, 1.0]) * length - radius
     counts = [1 if span <= _GRAIN else max(3, 1 + ceil(span / _COARSEST)) for span in high - low]
     axes = [np.linspace(low[i], high[i], counts[i]) for i in range(3)]
     inner = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    if min(counts) > 2:  # its outside is enough
+        inner = inner[((inner < low + 1e-9) | (inner > high - 1e-9)).any(axis=-1)]
     middle = thing.frame.apply(inner)
     reacher = Reacher.of(task.human, side)
     place, turned = reacher.hand(task.start.grip(side).row())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import msgspec
 import numpy as np
 import pytest
@@ -144,3 +146,16 @@ def test_both_arms_go_aside_together_with_what_they_hold_between_them(name: str,
     right, left = palms[..., :3].swapaxes(0, 1)
     assert np.ptp(np.linalg.norm(left - right, axis=-1)) < 0.003
     assert np.abs((left - right)[:, 2]).max() < 0.003
+
+
+def test_the_corners_of_what_is_thick_are_looked_at_too() -> None:
+    """A carton was taken for three balls, from which its corners stood out by 6 cm, and went into a panel's edge."""
+    body, carton = bearing("ken", (0.0, 0.0, 0.0))
+    task = HumanTask(begun(body, None, "", {}, world=[carton], busy=["left", "right"], held={"right": 21, "left": 21}))
+    thing = task.world[21]
+    held, radii = points_of(task, "right", thing)
+    place, turned = Reacher.of(body.skeleton, "right").hand(body.grip().row())
+    points = place + rotate(turned, held)
+    for x, y, z in itertools.product((-0.14, 0.14), (-0.18, 0.18), (0.0, 0.28)):
+        corner = thing.frame.apply(np.array([x, y, z]))
+        assert 0.0 < (np.linalg.norm(points - corner, axis=-1) - radii).min() < 0.025
