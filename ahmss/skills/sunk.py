@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from ahmss.algorithm.place import WorldObject
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.quaternion import slerp
@@ -15,7 +17,7 @@ from ahmss.reaching.handpoints import placed_points
 from ahmss.reaching.prism import Prism
 from ahmss.skills.around import half_of
 
-__all__ = ["SUNK", "sunk"]
+__all__ = ["SUNK", "lain_on", "sunk"]
 
 SUNK = 0.004
 """Metres that the skin of fingers may be in it, as it is told: a table as if it were solid down to the floor."""
@@ -42,3 +44,17 @@ def sunk(task: HumanTask, side: str, palms: Array, shape: Array, prisms: Sequenc
         for one in prisms:
             deep = np.maximum(deep, (radii.ravel() - one.signed(points)).max(axis=-1))
     return deep
+
+
+def lain_on(thing: WorldObject, prisms: Sequence[Prism]) -> list[Prism]:
+    """What a thing lies on or beside: prisms but its own, those that it lies in no higher than where it lies in them.
+
+    A telephone is told as high as its hook; its handset lies deeper, and there fingers go around it.
+    """
+    assert thing.shape is not None
+    low = float(thing.frame.apply(thing.shape.vertices)[:, 2].min())
+    others = (one for one in prisms if not one.sought)
+    return [
+        replace(one, high=low) if one.low < low < one.high and one.over(thing.frame.place[None])[0] else one
+        for one in others
+    ]

@@ -42,7 +42,7 @@ from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, performed, prisms_of, sides_of
 from ahmss.skills.reading import before_eyes
 from ahmss.skills.sitting import seat_of
-from ahmss.skills.sunk import SUNK, sunk
+from ahmss.skills.sunk import SUNK, lain_on, sunk
 from ahmss.skills.word import closed_at_last
 
 BEFORE, LIFTS = 0.08, 0.05  # metres before the grip at which the open hand is set; by which it is lifted first
@@ -163,7 +163,7 @@ def _above(task: HumanTask, grips: dict[str, Taking], into: Array) -> Steps[dict
         AlgorithmError: all would; says by how much at the least.
     """
     assert task.object is not None
-    prisms, found, least = [prism for prism in prisms_of(task) if not prism.sought], dict[str, Taking](), np.inf
+    prisms, found, least = lain_on(task.object, prisms_of(task)), dict[str, Taking](), np.inf
     grip = task.object.sites[task.message.site].grip
     for side, taking in grips.items():
         for out in OUT if grip == "precision" else OUT[:1]:
