@@ -2,9 +2,10 @@
 
 A fist holds it in the palm, a pinch between thumb and index: whichever is nearer when it is caught leads it. A fist is
 closed when its fingers are bent, a pinch when thumb and index finger have come together since they came near, however
-bent a hand at ease has the others. From then on the place where the part is taken goes with the palm: where thumb and
-fingers roll on it their tips go this way and that, though it stays between them. When the hand opens, or leaves it by
-more than a threshold, it stays. What the shipped object algorithms of parts share.
+bent a hand at ease has the others. It is held while the thumb and the nearest of the fingers that closed with it are as
+near as when they took hold: where one rolls off, the next holds it. Meanwhile the place where the part is taken goes
+with the palm: where thumb and fingers roll on it their tips go this way and that, though it stays between them. When
+the hand opens, or leaves it by more than a threshold, it stays. What the shipped object algorithms of parts share.
 """
 
 from __future__ import annotations
@@ -26,10 +27,13 @@ __all__ = ["led"]
 _FINGERS = ("index", "middle", "ring", "little")
 _BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
 _PINCHED = 0.8  # of the opening that thumb and index finger came with: so near to each other they have closed
-_STILL, _OPENED = 0.001, 0.006  # metres that they go in a frame when they have closed, and apart when they let go
+_STILL = 0.001  # metres that they go in a frame when they have closed
+_OPENED = 0.006  # metres that thumb and the nearest finger that closed with it go apart when they let go
 _ROLLS = 0.0006  # metres that they go apart in a frame as they roll on what they hold
 _LONG = 0.25  # metres: no fingertip is so far from the palm
 _PALM = 0  # of the two points of a hand that may lead
+_TIPS = ("thumb", *_FINGERS)
+_FIRST = 0  # of the fingers: the index finger, which closes a pinch
 
 
 def led(
@@ -61,8 +65,8 @@ def led(
         points = {side: _points(task, human, side, tips[side]) for side in sides}
         for side, hand in hands.items():
             apart = np.linalg.norm(points[side] - at(way), axis=1)
-            opening = float(np.linalg.norm(tips[side][0] - tips[side][1]))
-            hand.seen(_bent(human, side), opening, near=bool(apart.min() <= threshold))
+            openings = np.linalg.norm(tips[side][1:] - tips[side][0], axis=1)
+            hand.seen(_bent(human, side), openings, near=bool(apart.min() <= threshold))
         if leads is not None:
             apart = float(np.linalg.norm(points[leads[0]] - at(way), axis=1).min())
             if apart > threshold or not hands[leads[0]].holds(leads[1], closed):
@@ -83,42 +87,47 @@ def led(
 
 
 class _Fingers:
-    """Whether a hand is closed: how bent its fingers are, and how far thumb and index finger are from each other."""
+    """Whether a hand is closed: how bent its fingers are, and how far the thumb is from each of them."""
 
     def __init__(self, bent: float) -> None:
         self._bent, self._bends = bent, 0.0  # degrees, and by how many more than in the frame before
-        self._opening: float | None = None  # metres
-        self._goes = 0.0  # metres that it became in this frame
-        self._widest = 0.0  # since the hand came near, or let go
-        self._caught = 0.0  # when it took hold
+        self._openings: Array | None = None  # metres (4,)
+        self._goes = 0.0  # metres that the index finger's became in this frame
+        self._widest = np.zeros(len(_FINGERS))  # since the hand came near, or let go
+        self._hold = np.ones(len(_FINGERS), bool)  # those that closed with the thumb when it took hold
+        self._caught = 0.0  # the least of theirs then
 
-    def seen(self, bent: float, opening: float, *, near: bool) -> None:
+    def seen(self, bent: float, openings: Array, *, near: bool) -> None:
         self._bends, self._bent = abs(bent - self._bent), bent
-        self._goes = 0.0 if self._opening is None else abs(opening - self._opening)
-        self._opening = opening
-        self._widest = max(self._widest, opening) if near else opening
+        self._goes = 0.0 if self._openings is None else abs(float(openings[_FIRST] - self._openings[_FIRST]))
+        self._openings = openings
+        self._widest = np.maximum(self._widest, openings) if near else openings
 
     def far(self, bent: float) -> None:
         """It is nowhere near: of its fingers no more is asked than how bent they are."""
         self._bends, self._bent = abs(bent - self._bent), bent
-        self._opening, self._goes = None, 0.0
+        self._openings, self._goes = None, 0.0
 
     def closes(self, which: int, bent: float) -> bool:
         """Whether it takes hold now, in the palm or between thumb and index finger."""
-        assert self._opening is not None
-        if which != _PALM and (self._opening > _PINCHED * self._widest or self._goes > _STILL):
+        assert self._openings is not None
+        if which == _PALM:
+            return self._fist(bent)
+        closed = self._openings <= _PINCHED * self._widest
+        if not closed[_FIRST] or self._goes > _STILL:
             return False
-        self._caught = self._opening
-        return which != _PALM or self._fist(bent)
+        self._hold, self._caught = closed, float(self._openings[closed].min())
+        return True
 
     def holds(self, which: int, bent: float) -> bool:
         """Whether it still does; where it does not, it has to close again."""
-        assert self._opening is not None
-        still = self._fist(bent) if which == _PALM else self._opening <= self._caught + _OPENED
+        assert self._openings is not None
+        opening = float(self._openings[self._hold].min())
+        still = self._fist(bent) if which == _PALM else opening <= self._caught + _OPENED
         if still:  # fingers that roll on it come apart slowly
-            self._caught = min(max(self._opening, self._caught), self._caught + _ROLLS)
+            self._caught = min(max(opening, self._caught), self._caught + _ROLLS)
         else:
-            self._widest = self._opening
+            self._widest = self._openings
         return still
 
     def _fist(self, bent: float) -> bool:
@@ -145,11 +154,11 @@ def _far(task: ObjectTask, human: HumanFrame, sides: Sequence[str], end: Array, 
 
 
 def _tips(task: ObjectTask, human: HumanFrame, sides: Sequence[str]) -> dict[str, Array]:
-    """The tips of thumb and index finger of each hand (2, 3), in the world."""
+    """The tips of thumb and fingers of each hand (5, 3), in the world."""
     places, world = forward(human.rotations, human.root, task.human.offsets)
     found: dict[str, Array] = {}
     for side in sides:
-        links = [INDEX[f"{side}_thumb_distal"], INDEX[f"{side}_index_distal"]]
+        links = [INDEX[f"{side}_{tip}_distal"] for tip in _TIPS]
         found[side] = places[links] + rotate(world[links], task.human.tips[links])
     return found
 
