@@ -23,7 +23,7 @@ def view(
     every: Annotated[int, typer.Option(help="Frames between two pictures of the sheet; 0: as fits.")] = 0,
     at: Annotated[float | None, typer.Option(help="Seconds into the recording, for the snapshot.")] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Of the picture, in pixels.")] = "1280x720",
-    camera: Annotated[str, typer.Option(help="auto, front, back, left, right, top or close.")] = "auto",
+    camera: Annotated[str, typer.Option(help="auto, cuts, front, back, left, right, top or close.")] = "auto",
     position: Annotated[
         tuple[float, float, float] | None, typer.Option(metavar="X Y Z", help="Where the camera stands, metres.")
     ] = None,

@@ -25,12 +25,18 @@ def choose(act: Act, affordance: Affordance, at: Array, actor: Actor, name: str)
     What is taken is taken in a hand, unless its action says that it needs none: a chair is sat on.
 
     Raises:
-        CommandError: the other hand holds what the action is done with.
+        CommandError: the other hand holds what the action is done with, or the one that was said holds something else.
     """
     holding = actor.holds.get(name, "")
     if act.hand and holding and act.hand != holding and affordance.hold in ("keep", "release"):
         raise CommandError(
             f"{name} {act.action}: {actor.name} holds it in the {holding} hand; leave out `hand {act.hand}`"
+        )
+    if act.hand in actor.full and not holding and not act.follows and affordance.needs.get("free_hands", 0.0) > 0.0:
+        held = next((thing for thing, side in actor.holds.items() if side in (act.hand, "")), "something")
+        raise CommandError(
+            f"{name} {act.action}: {actor.name} holds {held} in the {act.hand} hand; leave out `hand {act.hand}`, or "
+            "put that down first"
         )
     if act.hand or name in actor.holds:
         return act.hand or holding

@@ -57,19 +57,43 @@ def or_elsewhere(
         flaw: metres by which what an attempt comes to is amiss. amiss: those for which one would rather go elsewhere.
 
     Raises:
-        AlgorithmError: it is refused from everywhere; as it was from here.
+        AlgorithmError: it is refused from everywhere; as it was from where one stands in the end.
     """
-    here, refused = None, None
-    try:
-        here = yield from attempt(task, gaze, None, np.inf)
-    except AlgorithmError as error:
-        if task.library is None:
-            raise
-        refused = error
-    if here is not None and (task.library is None or amiss(here) <= _AMISS):
-        return task, gaze, here
+    for again in (True, False):  # who came there, and does not stand just as was thought, thinks once more
+        here, refused = None, None
+        try:
+            here = yield from attempt(task, gaze, None, np.inf)
+        except AlgorithmError as error:
+            if task.library is None:
+                raise
+            refused = error
+        if here is not None and (task.library is None or amiss(here) <= _AMISS):
+            return task, gaze, here
+        thought = yield from _thought(task, gaze, attempt, worth, flaw, np.inf if here is None else flaw(here))
+        if here is not None and (not thought or thought[0][0] > amiss(here) - _WORTH):
+            return task, gaze, here
+        for _, stand, worked in thought:
+            task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where a hand has room")
+            task, gaze = yield from gone_to(task, stand, gaze)
+            try:
+                return task, gaze, (yield from attempt(task, gaze, worked, np.inf))
+            except AlgorithmError as error:
+                refused = error
+        if not (again and thought):
+            break
+    assert refused is not None
+    raise refused
+
+
+def _thought(
+    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worth: Callable[[Reaching], float],
+    flaw: Callable[[Worked], float], least: float,
+) -> Generator[Array, None, list[tuple[float, goals.Goal, Worked]]]:  # fmt: skip
+    """What attempts come to from other stands, and their flaws, the best first, in frames (1, 260) of thinking.
+
+    least: the flaw that there is already.
+    """
     thought: list[tuple[float, goals.Goal, Worked]] = []
-    least = np.inf if here is None else flaw(here)
     for stand in (yield from gaze.during(_stands(task, worth))):
         worked = yield from _thought_of(task, stand, gaze, attempt, least + _PLAINLY)
         if worked is not None:
@@ -77,18 +101,7 @@ def or_elsewhere(
             least = min(least, thought[-1][0])
             if least <= _CLEAN:
                 break
-    thought.sort(key=lambda one: one[0])
-    if here is not None and (not thought or thought[0][0] > amiss(here) - _WORTH):
-        return task, gaze, here
-    for _, stand, worked in thought:
-        task.note(f"goes to {stand.place[0]:.2f} {stand.place[1]:.2f}, from where a hand has room")
-        task, gaze = yield from gone_to(task, stand, gaze)
-        try:
-            return task, gaze, (yield from attempt(task, gaze, worked, np.inf))
-        except AlgorithmError as error:  # who comes there does not stand just as was thought
-            refused = refused or error
-    assert refused is not None
-    raise refused
+    return sorted(thought, key=lambda one: one[0])
 
 
 def _thought_of(

@@ -88,6 +88,39 @@ def test_who_does_it_ill_from_here_goes_where_it_is_done_better(
     assert given[1] == pytest.approx(most)
 
 
+@pytest.mark.parametrize("fails", [1, 2])
+def test_who_comes_there_and_can_not_do_it_thinks_once_more_from_there(
+    monkeypatch: pytest.MonkeyPatch, fails: int
+) -> None:
+    """And is told at last why not from there: it was said how far it had been from where they set out."""
+    task = HumanTask(PANEL.start(SWITCH, Body("ken", 0.4988, -0.4529, 177.325), "turn", FROM, parameters=TO))
+    really, at = task, [0]
+
+    def stands(*_: object) -> Steps[list[Goal]]:
+        yield
+        return [Goal(np.zeros(2), 0.0)]
+
+    def went(task: HumanTask, stand: Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+        at[0] += 1
+        yield np.zeros((1, 260))
+        return task, gaze
+
+    def attempt(task: HumanTask, gaze: Looking, thought: float | None, most: float) -> Generator[Array, None, float]:
+        yield np.zeros((1, 260))
+        if task is really and at[0] <= fails:
+            raise AlgorithmError(f"not from {at[0]}")
+        return 0.0
+
+    monkeypatch.setattr(elsewhere, "_stands", stands)
+    monkeypatch.setattr(elsewhere, "gone_to", went)
+    if fails == 1:
+        assert worked_out(task, attempt) == 0.0
+        assert at[0] == 2
+    else:
+        with pytest.raises(AlgorithmError, match="not from 2"):
+            worked_out(task, attempt)
+
+
 @pytest.mark.parametrize(
     ("flaws", "goes", "thought_of"),
     [([0.017, 0.052, 0.011], 2, 3), ([None, 0.017, 0.003, 0.0], 2, 3), ([0.0, 0.0], 0, 1)],

@@ -207,22 +207,19 @@ def test_it_is_refused_from_afar_while_carried_and_without_a_shape() -> None:
         pytest.param("ken", 0.0, 0.64, marks=pytest.mark.long),
     ],
 )  # fmt: skip
-def test_who_would_lose_the_lever_from_here_or_be_in_it_turns_it_from_elsewhere(
-    name: str, aside: float, away: float
-) -> None:
+def test_a_hand_whose_wrist_does_not_go_along_stays_on_the_lever(name: str, aside: float, away: float) -> None:
     """Their wrists do not go along: it was left at 0.82, and fingers were 2.1, 7.4 and 6.9 mm in it.
 
     And who leans to it from a metre away, the palm 79 mm from where it should be, left it at 0.10 as it was shut.
     """
     body = standing(name, aside, away)
-    here, before = body.root.copy(), PoseRecord.of(body.rotations, body.root)
+    before = PoseRecord.of(body.rotations, body.root)
     shown = body.do("turn", turning(body, busy=["right"]))
     moves = msgspec.structs.replace(turning(body), kind="object", pose=before, hand="left")
     told = [0.0]
     for pose in frames(program("turned"), moves, body.rows(shown)):
         told.append(float((pose.states or {}).get("turn", told[-1])))
     angles = np.array(told[1:])
-    assert np.linalg.norm(shown[-1].root[:2] - here[:2]) > 0.08
     assert angles[-1] == pytest.approx(LARGEST, abs=0.02)
     palms = np.array([grips(body.skeleton, pose.rotations, pose.root)[1, :3] for pose in shown])
     near = np.flatnonzero(np.linalg.norm(palms - frame_of(TAP).apply(AT), axis=1) < 0.2)
@@ -233,7 +230,7 @@ def test_who_would_lose_the_lever_from_here_or_be_in_it_turns_it_from_elsewhere(
 
 def test_who_can_not_go_elsewhere_is_told_what_to_do() -> None:
     """A lever that the hand would lose is not half turned."""
-    body = standing("aiko")
+    body = standing("aiko", 0.0, 0.95)
     with pytest.raises(AlgorithmError, match=r"would not stay on room/sink/tap .* use the other hand"):
         list(frames(program("turn"), turning(body, busy=["right"], motion=None)))
 

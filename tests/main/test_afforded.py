@@ -196,6 +196,14 @@ def test_the_hand_that_does_not_hold_it_does_nothing_with_it() -> None:
     assert same.hand == "right"
 
 
+def test_a_hand_that_is_full_uses_nothing_else() -> None:
+    """It pressed a switch, and the cup in it hung aslant."""
+    order, press = Database(SHIPPED).order, Act("television/switch", "press", hand="right")
+    with pytest.raises(CommandError, match=r"ken holds room/cup in the right hand; leave out `hand right`"):
+        order(press, Room(), ken(room__cup="right"))  # type: ignore[arg-type]
+    assert order(press, Room(), ken(room__cup="left")).hand == "right"  # type: ignore[arg-type]
+
+
 def test_an_action_that_is_meant_is_named_also_where_it_is_a_part_that_affords_it() -> None:
     room = Room()
     with pytest.raises(CommandError, match=r'room/cup does not afford "grap"; did you mean grasp\?$'):
