@@ -2,13 +2,12 @@
 
 One walks past a panel, or goes to it and leans over it while the other hand is at work, and what is held goes along;
 where it would be in something the hand is moved aside with it, turned as it was, sooner than it would be there
-(`ahmss.reaching.aside`). An arm that another motion has is left to it. What is upright in a hand stays so
-(`ahmss.skills.upright`).
+(`ahmss.reaching.aside`). An arm that another motion has is left to it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -23,7 +22,6 @@ from ahmss.reaching.prism import Prism, clearance
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import skin_of
 from ahmss.skills.giving_way import Things, points_of
-from ahmss.skills.upright import LEANS, Upright
 
 __all__ = ["kept_clear"]
 
@@ -41,14 +39,9 @@ _OTHERS = 0.6  # radians from how it was left: an arm that is so far off is anot
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
 
 
-def kept_clear(task: HumanTask, made: Iterator[Array], but: Sequence[str] = ()) -> Iterator[Array]:
-    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them.
-
-    but: the sides whose hands the motion leads.
-    """
-    sides = [side for side in task.busy if side not in but]
-    together = task.between and len(sides) == len(task.busy)
-    arms = [_Held(task, *sides)] if together else [_Held(task, side) for side in sides]
+def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
+    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them."""
+    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side) for side in task.busy]
     if not arms:
         yield from made
         return
@@ -61,8 +54,6 @@ def kept_clear(task: HumanTask, made: Iterator[Array], but: Sequence[str] = ()) 
             rotations = np.where(cares[:43, None], row[_ROTATIONS].reshape(43, 4), rotations)
             root = row[_ROOT] if cares[43] else root
             poses[k], roots[k] = rotations, root
-        for arm in arms:
-            arm.swing(poses, roots)
         ways = [arm.way(poses, roots, _soon(task, rows[-1])) for arm in arms]
         for first in range(0, len(rows), _AT_ONCE):
             some = slice(first, first + _AT_ONCE)
@@ -88,14 +79,7 @@ class _Held:
         self._held, self._thick = points_of(task, sides[0], task.in_hand(sides[0]))
         self._along: Array | None = None  # the way of the body
         self._last: Array | None = None  # where its points were at the frame before
-        self._upright = Upright(task, sides[0]) if len(sides) == 1 else None  # both hold it as their own motion does
-        self._swung = np.zeros(0)  # radians, in each of the frames made
         self._task, self._given = task, [task.start.rotations[reacher.links].copy() for reacher in self._reachers]
-
-    def swing(self, rotations: Array, root: Array) -> None:
-        """Keep what is held upright in poses (n, 43, 4), (n, 3)."""
-        upright = self._upright
-        self._swung = np.zeros(len(root)) if upright is None else upright.swing(rotations, root)
 
     def way(self, rotations: Array, root: Array, soon: Array | None) -> Array:
         """Points (n + 30, m, 3) of forearm, hand and what it holds in poses (n, 43, 4), (n, 3), and as they go on.
@@ -126,7 +110,6 @@ class _Held:
         prisms = self._things.about(root[0], sought=True)
         for k in range(len(rows)):
             self._give(rows[k], [rotations[k, reacher.links] for reacher in self._reachers])
-            self._care(rows[k], float(self._swung[first + k]) / LEANS)
             ahead = way[first + k + np.array(_AHEAD)]
             aside, room = self._aside.moved, float(self._radii.max()) + AIR + _MOVES
             low, high = ahead.min(axis=(0, 1)) - room, ahead.max(axis=(0, 1)) + room
@@ -140,13 +123,10 @@ class _Held:
             if self._aside.still:
                 continue
             self._give(rows[k], [with_hand_moved(reacher, rotations[k], root[k], moved) for reacher in self._reachers])
-            self._care(rows[k], float(np.linalg.norm(moved)) / _ALL)
-
-    def _care(self, row: Array, share: float) -> None:
-        """Care for the arms in a row, the more, the farther they are from where they were left."""
-        for reacher in self._reachers:
-            cares = slice(_IMPORTANCE + reacher.links.start, _IMPORTANCE + reacher.links.stop)
-            row[cares] = np.maximum(row[cares], _CARES * min(share, 1.0))
+            share = min(float(np.linalg.norm(moved)) / _ALL, 1.0)
+            for reacher in self._reachers:
+                cares = slice(_IMPORTANCE + reacher.links.start, _IMPORTANCE + reacher.links.stop)
+                rows[k, cares] = np.maximum(rows[k, cares], _CARES * share)
 
     def _give(self, row: Array, arms: list[Array]) -> None:
         """Tell how the arms (3, 4) are in a row (260,) or (272,)."""

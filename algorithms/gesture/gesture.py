@@ -22,7 +22,6 @@ from ahmss.reaching.reacher import heading_of
 from ahmss.reaching.standing import Standing
 from ahmss.skills.company import Watching
 from ahmss.skills.free_arm import arm_kept_out
-from ahmss.skills.keeping import kept_clear
 from ahmss.skills.meanwhile import waited
 from ahmss.skills.stepping_back import deep_in, stepped_back
 
@@ -36,14 +35,7 @@ _X, _Y, _Z = np.eye(3)
 
 
 def gesture(task: HumanTask) -> Iterator[Array]:
-    """Frames (1, 260): as many as the gesture takes, or as were asked for; who is behind is turned to first.
-
-    What a hand holds stays upright, and out of things, as the trunk bends.
-    """
-    return _gesture(task) if task.carried else kept_clear(task, _gesture(task))
-
-
-def _gesture(task: HumanTask) -> Iterator[Array]:
+    """Frames (1, 260): as many as the gesture takes, or as were asked for; who is behind is turned to first."""
     which = task.parameter("which", "nod")
     made = GESTURES.get(which)
     if made is None:

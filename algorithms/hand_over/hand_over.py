@@ -26,8 +26,6 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.plan import Reaching
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.company import Watching, settled
-from ahmss.skills.free_arm import arm_kept_out
-from ahmss.skills.meanwhile import waited
 from ahmss.skills.meeting import again, come_to, go_to
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.planning import planned
@@ -159,12 +157,7 @@ def _back(task: HumanTask, side: str, row: Array, begun: HumanTask, *, opens: bo
     if opens:
         arm = [*range(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1), *hand]
         rotations[arm] = task.human.relaxed()[0][arm]
-    for rows in go_to(task, rotations, begun.start.root, HOME):
-        if opens:
-            now = again(task)
-            still = now.block(now.start.rotations[None], now.start.root[None], np.zeros(44))
-            rows, _ = yield from waited(arm_kept_out(now, side, rows), still)
-        yield rows
+    yield from go_to(task, rotations, begun.start.root, HOME)
 
 
 if __name__ == "__main__":

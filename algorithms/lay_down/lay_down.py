@@ -34,7 +34,6 @@ from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
 from ahmss.skills.around import half_closed, half_of
 from ahmss.skills.at_ease import at_ease
-from ahmss.skills.keeping import kept_clear
 from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.own_arm import in_own_arm
@@ -59,14 +58,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def lay_down(task: HumanTask) -> Iterator[Array]:
-    """Frames (n, 260): it comes over its place and sinks; the hand opens and goes back.
-
-    What the other hand holds stays upright, and out of things, as the trunk leans.
-    """
-    return kept_clear(task, _lay_down(task), [task.hand])
-
-
-def _lay_down(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): it comes over its place and sinks; the hand opens and goes back."""
     if task.object is None or not task.hand:
         raise AlgorithmError("nothing is in the hand")
     if task.carried:

@@ -12,7 +12,7 @@ from collections.abc import Generator, Iterator
 
 import numpy as np
 
-from ahmss.algorithm import HumanTask, Transform, run
+from ahmss.algorithm import HumanTask, run
 from ahmss.algorithm.haste import hurried
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
@@ -25,19 +25,15 @@ from ahmss.reaching.leaning import looking, stretch_of
 from ahmss.reaching.performing import Performed, perform
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.pointing import palms_pointing, pointing
-from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher, heading_of, seat
-from ahmss.reaching.skin import ARM, gaps, hand_skin
 from ahmss.reaching.standing import Posture
 from ahmss.skills.box import filled
 from ahmss.skills.elbow_room import awaited
 from ahmss.skills.facing import faced
-from ahmss.skills.keeping import kept_clear
 from ahmss.skills.reaching import Looking, prisms_of, sides_of
 
 STRAIGHT = 0.995  # of the arm's length
 BEFORE = 0.12  # metres that the fingertip stays before what is near
-AIR, AWAY = 0.015, np.arange(0.0, 0.5, 0.04)  # metres from arm and hand to things; of ways back that are tried
 EYE = 0.032  # metres from between the eyes to one of them
 TURNS_FROM, TURNS, BEHIND = np.radians([40.0, 45.0, 125.0])  # the trunk turns along from, up to; nobody points back
 BRISK = 0.75  # of the time that a reach at ease takes: a sign is made with decision
@@ -47,14 +43,7 @@ TRIES = 4  # of aim and arm, each of which depends a little on the other
 
 
 def point(task: HumanTask) -> Iterator[Array]:
-    """Frames (n, 260): the eyes go there, the arm comes up, stays, and is taken down the way that it came.
-
-    What the other hand holds stays upright, and out of things, as the trunk turns.
-    """
-    return kept_clear(task, _point(task))
-
-
-def _point(task: HumanTask) -> Iterator[Array]:
+    """Frames (n, 260): the eyes go there, the arm comes up, stays, and is taken down the way that it came."""
     if task.carried:
         raise AlgorithmError("one points standing; walk first, then point")
     target = _target(task)
@@ -113,33 +102,8 @@ def _aimed(task: HumanTask, reaching: Reaching, target: Array) -> tuple[str, Pos
     reacher = Reacher.of(skeleton, side)
     seen = looking(skeleton, rotations, base.root, target)
     eye = _eye(skeleton, seen, base.root, task.parameter("eye", "right"))
-    spine = seat(skeleton, seen, base.root)
-    palms = _palms(reacher, (eye, reacher.shoulder(spine)), target)
-    return side, posture, _clear(task, reacher, palms, spine, eye - target)
-
-
-def _clear(task: HumanTask, reacher: Reacher, palms: Array, spine: tuple[Array, Array], back: Array) -> Array:
-    """Palms (n, 7), those whose hand and arm are in nothing: back (3,) along the line of sight as far as that takes.
-
-    Of a table's top, say, the middle is pointed at from over it.
-    """
-    prisms, rotations = prisms_of(task), task.start.rotations.copy()
-    present = reacher.arm.from_pose(rotations[reacher.links])
-    rotations[list(fingers(reacher.side))] = pointing(reacher.side)
-    points, radii = hand_skin(reacher, rotations, task.start.root)
-    points = task.start.grip(reacher.side).inverse().apply(points)
-    best, most = palms, -np.inf
-    for away in AWAY if prisms else ():
-        moved = palms.copy()
-        moved[:, :3] += away * back / max(float(np.linalg.norm(back)), 1e-9)
-        hand = clearance(prisms, Transform.of(moved[:, None]).apply(points), AIR + float(radii.max())) - radii
-        arm = gaps(reacher, moved, spine, present, prisms)[:, ARM]
-        gap = np.minimum(hand.min(axis=-1), arm.min(axis=-1))
-        if (clear := gap >= AIR).any():
-            return moved[clear]
-        if float(gap.max()) > most:
-            best, most = moved[gap >= gap.max()], float(gap.max())
-    return best
+    shoulder = reacher.shoulder(seat(skeleton, seen, base.root))
+    return side, posture, _palms(skeleton, reacher, (eye, shoulder), target)
 
 
 def _eye(skeleton: Skeleton, rotations: Array, root: Array, which: str) -> Array:
@@ -150,7 +114,7 @@ def _eye(skeleton: Skeleton, rotations: Array, root: Array, which: str) -> Array
     return places[head] + rotate(turned[head], skeleton.eye + aside)
 
 
-def _palms(reacher: Reacher, begins: tuple[Array, Array], target: Array) -> Array:
+def _palms(skeleton: Skeleton, reacher: Reacher, begins: tuple[Array, Array], target: Array) -> Array:
     """Palms (n, 7): the fingertip on the line from the eye, as far out as the straight arm, or before what is near."""
     eye, shoulder = begins
     sight = target - eye
@@ -161,7 +125,7 @@ def _palms(reacher: Reacher, begins: tuple[Array, Array], target: Array) -> Arra
     for _ in range(TRIES):
         tip = eye + away * sight
         into = (tip - shoulder) / np.linalg.norm(tip - shoulder)
-        palms = palms_pointing(reacher.skeleton, reacher.side, tip, into, exactly=True)
+        palms = palms_pointing(skeleton, reacher.side, tip, into, exactly=True)
         wrist = reacher.hand(palms[len(palms) // 2])[0]
         short = STRAIGHT * reacher.length - float(np.linalg.norm(wrist - shoulder))
         away = min(away + short / max(float(into @ sight), 0.3), furthest)

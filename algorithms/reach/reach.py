@@ -25,7 +25,6 @@ from ahmss.skills.before_grip import Before, goal_before, grips_before, refused
 from ahmss.skills.carried import reach_while_carried
 from ahmss.skills.grasping import read_shape
 from ahmss.skills.in_target import in_target
-from ahmss.skills.keeping import kept_clear
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, goal_of, performed, prisms_of, sides_of
@@ -38,13 +37,10 @@ THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
 
 def reach(task: HumanTask) -> Iterator[Array]:
-    """Frames (n, 260): a few in which the head turns while the way is planned, then all others.
-
-    What the other hand holds stays upright, and out of things, as the trunk leans.
-    """
+    """Frames (n, 260): a few in which the head turns while the way is planned, then all others."""
     if task.carried:
         return reach_while_carried(task, goal_of(task), lambda side: _shape(task, side))
-    return kept_clear(task, _standing(task), [task.hand])
+    return _standing(task)
 
 
 def _standing(task: HumanTask) -> Iterator[Array]:

@@ -9,14 +9,14 @@ the face goes along.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
-from ahmss.body.links import INDEX, LINKS
+from ahmss.body.links import INDEX
 from ahmss.body.quaternion import IDENTITY, multiply, normalize, rotate
 from ahmss.body.quaternion import slerp as interpolate
 from ahmss.errors import AlgorithmError
@@ -26,13 +26,12 @@ from ahmss.reaching.standing import Posture
 from ahmss.reaching.trunk_way import between
 from ahmss.skills.at_mouth import with_ease
 from ahmss.skills.hanging import Hanging
-from ahmss.skills.keeping import kept_clear
 from ahmss.skills.out_of_reach import come_nearer
 from ahmss.skills.reaching import prisms_of
 from ahmss.skills.staging import Staged, face, stage
 from ahmss.skills.trunk_clear import trunk_kept_clear
 
-HANDS, LEG = ("right", "left"), ("leg", "foot")
+HANDS = ("right", "left")
 GAZE = 4
 TRUNK = [INDEX["hips"], INDEX["spine"]]
 MOST_MISSING = 0.03  # metres beyond a stretched arm that are still tried for
@@ -55,36 +54,12 @@ class Course:
 def slerp(task: HumanTask) -> Iterator[Array]:
     """Frames from the present pose to the clip's last keyframe: the first at once, then all others (N - 1, 260).
 
-    Who is carried is looked at once more before the last frame. A hand that holds what is not moved here stays as it
-    is against the trunk, what is in it upright and out of things.
+    Who is carried is looked at once more before the last frame.
     """
     clip = task.posture or task.motion
     if clip is None:
         raise AlgorithmError("slerp needs a motion clip with keyframes, or a goal posture")
     staged = stage(task, clip if task.posture is None else _last(clip))
-    keeps = [] if task.between else [side for side in task.busy if side != task.hand and side not in _led(staged)]
-    made = _slerp(task, _but_arms(task, staged, keeps))
-    return kept_clear(task, made, [side for side in HANDS if side not in keeps]) if keeps and not task.carried else made
-
-
-def _led(staged: Staged) -> list[str]:
-    """The sides whose hands the clip leads."""
-    led = staged.local[:, : len(HANDS), 7].any(axis=0)
-    return [side for side, leads in zip(HANDS, led, strict=True) if leads]
-
-
-def _but_arms(task: HumanTask, staged: Staged, sides: list[str]) -> Staged:
-    """The clip without the arms of some sides, fingers and all: they stay as they are."""
-    arms = [i for i, link in enumerate(LINKS) if link.startswith(tuple(sides) or "-") and not link.endswith(LEG)]
-    if not arms:
-        return staged
-    rotations, importance = staged.rotations.copy(), staged.clip.importance.copy()
-    rotations[:, arms], importance[:, arms] = task.start.rotations[arms], 0.0
-    return replace(staged, clip=replace(staged.clip, importance=importance), rotations=rotations)
-
-
-def _slerp(task: HumanTask, staged: Staged) -> Iterator[Array]:
-    """The frames of what is staged."""
     if staged.clip.header.targets == "face" and task.hold == "keep":
         staged = with_ease(task, staged)
     frames = np.arange(1, task.length + 1)
@@ -118,7 +93,8 @@ class _Idle:
     """The arms of who stands that a clip does not lead: they keep out of things that the trunk brings them to."""
 
     def __init__(self, task: HumanTask, staged: Staged) -> None:
-        sides = [side for side in HANDS if side not in _led(staged) and side not in task.busy]
+        led = staged.local[:, : len(HANDS), 7].any(axis=0)
+        sides = [side for side, leads in zip(HANDS, led, strict=True) if not leads and side not in task.busy]
         self._prisms = prisms_of(task)
         self._arms = [Hanging(task.human, side, task.rate) for side in sides] if self._prisms else []
 

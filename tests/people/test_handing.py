@@ -7,18 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ahmss.algorithm import HumanTask, Transform
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate
-from ahmss.database import Workspace
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
-from ahmss.reaching.prism import clearance
-from ahmss.reaching.reacher import Reacher
-from ahmss.reaching.skin import hand_skin
-from ahmss.skills.reaching import prisms_of
-from tests.algorithms.devices import begun, device
-from tests.algorithms.scene import Body
 from tests.demo.recorded import Recorded
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -164,27 +156,3 @@ def test_any_two_meet_from_anywhere(tmp_path: Path, seed: int) -> None:
             inner = rotate(conjugate(palm.rotation[:n]), cup - palm.place[:n])
             moved.append(float(np.linalg.norm(np.diff(inner[rows], axis=0), axis=1).max()))
         assert min(moved) < JUMP
-
-
-BESIDE = """
-add room
-human ken body ken at -0.3 0.0 facing 0
-human aiko body aiko at 0.5 1.3 facing -90
-ken: do cup grasp
-ken: do cup lift
-sync
-ken: do aiko hand_over
-aiko: do ken receive
-"""
-
-
-def test_beside_a_table_the_hand_that_has_given_goes_down_out_of_it(tmp_path: Path) -> None:
-    recording, mains = play(tmp_path, BESIDE)
-    assert [main["failures"] for main in mains] == [0, 0]
-    ken = Recorded.read(recording, "ken", ("room/cup", "room/table"))
-    first, human = ken.holders["room/cup"].index("aiko"), Workspace(ROOT).humans.get("ken").skeleton
-    points, radii = hand_skin(Reacher.of(human, "right"), ken.rotations[first:], ken.root[first:])
-    table = ken.object("room/table")
-    here = Transform(table.place[first], table.rotation[first])
-    told = begun(Body("ken"), None, "", {}, world=[device("table", here)])
-    assert float((radii - clearance(prisms_of(HumanTask(told)), points)).max()) < 0.002
