@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 
-from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import grips
@@ -57,8 +56,7 @@ from ahmss.skills.smoothest import smoothest
 
 __all__ = ["Part", "pinched"]
 
-_MISSED, _NEAR = 0.006, 0.03  # metres that thumb and fingers may be off the part, and how far they reach around it
-_BESIDE = 0.001  # metres that what a hand holds may be beside where it should be
+_MISSED, _ARM = 0.006, 0.09  # metres that thumb and fingers may be off, and how far they are from the palm
 _MOST_LOOSE = 0.0022  # metres that fingers may be in the part or off what they give: their skin is 0.6 mm less deep
 _GIVES = 0.003  # metres that fingers may be off what they hold, by their balls
 _DEEP = 0.001  # metres that fingers may be in the part, by their balls, in which skin is less deep
@@ -338,37 +336,21 @@ def _made(
     then, closed = moved(task, part, plan.palm)
     holding = held_on(task, part, side, plan.palm, holding)
     wide, links = slerp(holding.shape, open_hand(task, side, holding), share), list(fingers(side))
-    n, (way, _, back) = len(then), course(task, part)
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then, rest.on_way(side, part))
-    beside = _beside(task, part, plan, made, 1.0 - back)
-    if np.abs(beside).max() > _BESIDE:  # the wrist does not turn as far: the hand goes aside, so that it is on the part
-        then[:, :3] -= beside
-        again = yield from performed(task, reaching, plan, gaze, (links, wide), then, rest.on_way(side, part))
-        if np.abs(_beside(task, part, plan, again, 1.0 - back)).max() < np.abs(beside).max():
-            made = again
+    n, way = len(then), course(task, part)[0]
     palms = made.targets[-n:, plan.reacher.row, :7]
     shapes = shapes_on(task, part, side, palms, way, closed == 1.0, holding)
     made.rotations[-n:, links] = slerp(wide, shapes, closed[:, None])
     return made
 
 
-def _beside(task: HumanTask, part: Part, plan: Plan, made: Performed, on: Array) -> Array:
-    """Metres (n, 3) by which the place in the hand that the part has is beside it, times how far it is on it (n)."""
-    n, row = len(on), plan.reacher.row
-    palms = Transform.of(grips(task.human, made.rotations[-n:], made.root[-n:])[:, row])
-    then = Transform.of(moved(task, part, plan.palm)[0])
-    place = part.way(course(task, part)[0])[0]
-    return on[:, None] * (palms.apply(then.inverse().apply(place)) - place)
-
-
 def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
-    """Metres by which a point of the hand near the part is off at the most while it is on it: the arm's joints."""
+    """Metres by which a point of the hand at the part's distance from the palm is off at the most: the arm's joints."""
     then, closed = moved(task, part, plan.palm)
-    n, on = len(then), closed > 0.0
-    beside = _beside(task, part, plan, made, on.astype(float))
+    n, holds = len(then), closed > 0.0
     got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
     turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
-    return float((np.linalg.norm(beside, axis=-1) + _NEAR * turned)[on].max())
+    return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned)[holds].max())
 
 
 def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:

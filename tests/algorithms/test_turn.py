@@ -244,7 +244,7 @@ def test_a_hand_whose_wrist_does_not_go_along_stays_on_the_lever(name: str, asid
 
 def test_who_can_not_go_elsewhere_is_told_what_to_do() -> None:
     """A lever that the hand would lose is not half turned."""
-    body = standing("aiko", 0.0, 0.95)
+    body = standing("aiko")
     with pytest.raises(AlgorithmError, match=r"would not stay on room/sink/tap .* use the other hand"):
         list(frames(program("turn"), turning(body, busy=["right"], motion=None)))
 
