@@ -20,11 +20,10 @@ demo: $(READY) $(GL)
 # What is compiled once is kept, whatever the shell says: each of some hundred processes would compile all of it anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-# The checks run beside the tests in what these leave of the processors, which are idle where a test waits.
+# The checks come after the tests: what is real time in these starves beside more.
 test: $(READY) $(GL)
-	@mkdir -p out; nice -n 19 $(MAKE) --no-print-directory lint > out/lint.txt 2>&1 & checks=$$!; \
-	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder; tests=$$?; \
-	wait $$checks; checks=$$?; cat out/lint.txt; exit $$((tests || checks))
+	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	@$(MAKE) --no-print-directory lint
 
 test-long: $(READY) $(GL)
 	$(BIN)/pytest -q -m long --timeout 1800

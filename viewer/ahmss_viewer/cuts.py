@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -42,11 +43,15 @@ class Shot:
 
     def view(self, tick: int) -> View:
         """Where the camera is at a tick; it comes along without a jerk."""
-        *target, distance = self.track[0]
-        if len(self.ticks) > 1:
-            at = float(np.clip(tick, self.ticks[0], self.ticks[-1]))
-            *target, distance = PchipInterpolator(self.ticks, self.track)(at)
+        *target, distance = self._along(float(np.clip(tick, self.ticks[0], self.ticks[-1])))
         return replace(self.direction, target=np.array(target), distance=float(np.exp(distance)))
+
+    @cached_property
+    def _along(self) -> Callable[[float], Array]:
+        """The track at a tick between the first and the last."""
+        if len(self.ticks) == 1:
+            return lambda _: self.track[0]
+        return PchipInterpolator(self.ticks, self.track)
 
 
 def shots(look: Looking, show: Callable[[int], Interest | None], ticks: int, rate: float, aspect: float) -> list[Shot]:
