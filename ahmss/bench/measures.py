@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ahmss.bench.acted import Acted
 from ahmss.bench.capture import IN_PLACE, WALKING, Bar
@@ -23,6 +24,8 @@ __all__ = ["BOUNDS", "UNITS", "Measured", "Series"]
 _BODY = 15  # the first links: known captures have no fingers
 _TOUCHING = 0.001  # metres over the floor within which a point of a sole is on it: ours stand exactly
 _STANDS = 0.3  # seconds of a stance that must be among the frames: half of one in walking
+_BALL = 1  # of a sole's points
+_ONWARD = 0.05  # metres, level, that a foot is set on, and the hips go, where the body is carried on
 _FEET = [INDEX["right_foot"], INDEX["left_foot"]]
 
 UNITS = {
@@ -87,7 +90,7 @@ class Series:
         touches = soles[..., 2] < _TOUCHING
         self._touching = [(f, p, *run) for f in range(2) for p in range(3) for run in runs(touches[:, f, p])]
         self._hand, self._slip = off_target(acted), slips(acted)
-        self._walks = np.array([any(doing.carries for doing in doings) for doings in acted.doings])
+        self._root, self._steps = root[:, :2], _steps(soles)
 
     def over(self, span: Span, pause: float | None = None) -> Measured:
         """The measures over some frames. Of a stance, or of a point on the floor, what is among them counts."""
@@ -115,8 +118,13 @@ class Series:
         }
         if figures["depth"] > 0.0:
             where["depth"] = f"{self._depth.link[deepest]} in {self._depth.thing[deepest]}"
-        bar = WALKING if self._walks[frames].any() else IN_PLACE
+        bar = WALKING if self._walks(frames) else IN_PLACE
         return Measured({name: round(value, 4) for name, value in figures.items()}, bar, where, pause)
+
+    def _walks(self, frames: slice) -> bool:
+        """Whether steps carry the body on in some frames."""
+        goes = np.linalg.norm(self._root[frames] - self._root[frames.start], axis=-1).max()
+        return bool(self._steps[frames].any() and goes > _ONWARD)
 
     def _slide(self, span: Span) -> float:
         """The mean way (m) of a foot's slowest point in a stance, of those that last for 0.3 s of the frames."""
@@ -136,3 +144,15 @@ class Series:
                 way = self._soles[first:end, foot, point, :2] - self._soles[first, foot, point, :2]
                 furthest = max(furthest, float(np.linalg.norm(way, axis=-1).max()))
         return furthest
+
+
+def _steps(soles: Array) -> NDArray[np.bool_]:
+    """In which frames (F,) a foot, of points (F, 2, 3, 3), is on its way through the air to where it did not stand."""
+    out = np.zeros(len(soles), bool)
+    aloft = soles[..., 2].min(axis=-1) >= _TOUCHING
+    for foot in range(2):
+        ball = soles[:, foot, _BALL, :2]
+        for first, end in runs(aloft[:, foot]):
+            stood, lands = ball[max(first - 1, 0)], ball[min(end, len(ball) - 1)]
+            out[first:end] |= float(np.linalg.norm(lands - stood)) > _ONWARD
+    return out

@@ -37,6 +37,12 @@ def moved(acted: Acted, way: Array) -> Acted:
     return replace(acted, root=acted.root + way)
 
 
+def stepping(acted: Acted, far: float) -> Acted:
+    """In the middle fifth the body comes off the floor, goes so many metres along x and comes down again."""
+    share = np.clip((np.arange(len(acted.root)) / len(acted.root) - 0.4) / 0.2, 0.0, 1.0)
+    return moved(acted, np.outer(share, [far, 0.0, 0.0]) + np.outer(np.sin(np.pi * share), [0.0, 0.0, 0.05]))
+
+
 def along_x(acted: Acted, speed: float) -> Array:
     """Displacements (F, 3) of who glides at so many metres a second."""
     return np.outer(np.arange(len(acted.root)) * speed / acted.rate, [1.0, 0.0, 0.0])

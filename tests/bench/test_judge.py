@@ -18,7 +18,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
 from ahmss.motion.easing import minimum_jerk
 
-from .made import ROOT, WALK, moved, standing
+from .made import ROOT, WALK, moved, standing, stepping
 
 DOOR, SWITCH = Doing("door", "open"), Doing("switch", "press")
 WORKSPACE = Workspace.find(ROOT)
@@ -62,7 +62,7 @@ def test_the_walk_that_slides_is_named_and_the_door_is_not() -> None:
     assert walk in judgement.worse
     text = judge.markdown(judgement)
     assert "5 of 23 items played, 3 of them worse" in text
-    assert "\n- walks: slide 30.0 > 6.5 cm, drift 300.0 > 1.0 mm, feet p95 0.42" in text
+    assert "\n- walks: slide 30.0 > 7.0 cm, drift 300.0 > 1.0 mm, feet p95 0.42" in text
     assert "| **30.0** | **300.0** |" in text
 
 
@@ -81,9 +81,17 @@ def test_json_has_every_figure_and_what_it_is_compared_with() -> None:
     door, seam = told["items"][:2]
     assert set(UNITS) < set(door)
     assert (door["thesis"], door["real"], door["worse"]) == (3.2, "a box picked up", [])
-    assert (seam["real"], seam["pause_s"]) == ("walking", 0.0)
+    assert (seam["real"], seam["pause_s"]) == ("a box picked up", 0.0)
     assert told["items"][-1] == {"name": "sits down", "thesis": 3.6, "seconds": 0.0, "played": False}
     assert set(told["real"]["walking"]) == set(UNITS) - set(BOUNDS)
+
+
+def test_an_item_in_which_steps_are_made_is_set_beside_walking_and_one_without_is_not() -> None:
+    pressing = replace(SWITCH, carries=True)  # it would step there
+    doings = ((DOOR,),) * 80 + ((WALK,),) * 80 + ((pressing,),) * 80
+    door, _, walk, _, press = judge.judged(replace(stepping(standing(240), 0.3), doings=doings), WORKSPACE).played
+    clips = [item.measured.bar.clips for item in (door, walk, press) if item.measured is not None]
+    assert clips == ["a box picked up", "walking", "a box picked up"]
 
 
 def test_a_script_is_played_and_noted_frame_by_frame(tmp_path: Path) -> None:

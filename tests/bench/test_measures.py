@@ -17,7 +17,21 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_rotation_vector, multiply, rotate
 from ahmss.database.workspace import Workspace
 
-from .made import FRAMES, RATE, ROOT, WALK, along_x, holding, measured, moved, palms, placed, standing, wanting
+from .made import (
+    FRAMES,
+    RATE,
+    ROOT,
+    WALK,
+    along_x,
+    holding,
+    measured,
+    moved,
+    palms,
+    placed,
+    standing,
+    stepping,
+    wanting,
+)
 
 
 def test_who_stands_is_as_good_as_real() -> None:
@@ -36,8 +50,18 @@ def test_every_measure_has_a_bound() -> None:
     assert found.bound("hand") == BOUNDS["hand"]
 
 
-def test_who_walks_is_compared_with_walking() -> None:
-    assert measured(standing(doing=WALK)).bar is WALKING
+def test_whom_steps_carry_on_is_compared_with_walking_whatever_they_do() -> None:
+    onward = stepping(standing(), 0.3)
+    assert measured(onward).bar is WALKING
+    assert measured(onward, Span(0, 45)).bar is IN_PLACE  # before the step
+    assert measured(onward, Span(45, FRAMES)).bar is WALKING
+
+
+def test_who_makes_no_step_is_not_compared_with_walking() -> None:
+    still = standing(doing=WALK)  # as a switch is pressed: by an action that would have walked there
+    assert measured(still).bar is IN_PLACE
+    assert measured(moved(still, along_x(still, 0.2))).bar is IN_PLACE  # hips that go back onto a seat
+    assert measured(stepping(still, 0.0)).bar is IN_PLACE  # a foot lifted, and put down where it stood
 
 
 def test_a_sliding_foot_is_seen() -> None:
