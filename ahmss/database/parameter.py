@@ -67,7 +67,8 @@ class Parameter(msgspec.Struct, frozen=True):
         except (TypeError, ValueError):
             number = float("nan")
         if number - number != 0.0:
-            raise ValueError(f"{value!r} is no finite number")
+            bounded = self.minimum is not None or self.maximum is not None
+            raise ValueError(f"{value!r} is no finite number" + (f"; allowed: {self._range()}" if bounded else ""))
         return number
 
     def _range(self) -> str:

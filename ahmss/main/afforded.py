@@ -22,7 +22,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, CommandError
 from ahmss.main.company import KIND
 from ahmss.main.description import Scene
-from ahmss.main.enabling import bringing
+from ahmss.main.enabling import bringing, what_sets
 from ahmss.states.condition import Condition
 from ahmss.world.schema import ObjectRecord
 
@@ -83,6 +83,8 @@ def meant(workspace: Workspace, scene: Scene, name: str, action: str) -> Meant:
         hint = f"did you mean {near[0]}?" if near else f"it affords: {', '.join(kind.affordances) or 'nothing'}"
         if not near and (part := _part_affording(workspace, scene, name, action)):
             hint = f"{part} does, which is in it"
+        elif not near and (set_by := what_sets(workspace, scene.objects, name, action))[0]:
+            hint = "its state {} is set by `do {}`".format(*set_by)
         raise CommandError(f'{name} does not afford "{action}"; {hint}')
     if not affordance.of:
         return Meant(name, record, kind, affordance, scene.pose(name))

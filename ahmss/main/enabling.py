@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
 
 from ahmss.database.records import Affordance, ObjectKind
 from ahmss.database.workspace import Workspace
@@ -13,7 +15,7 @@ from ahmss.states.following import Value
 from ahmss.states.hindered import hindered, sources
 from ahmss.world.schema import ObjectRecord
 
-__all__ = ["bringing", "not_enabled"]
+__all__ = ["bringing", "not_enabled", "what_sets"]
 
 
 def bringing(kind: ObjectKind, clause: Clause, drives: Callable[[Affordance], str]) -> str:
@@ -49,29 +51,54 @@ def not_enabled(
 
     objects: the world's, as they are before.
     """
+    wiring = _Wiring(workspace, objects)
+    try:
+        changes = [(name, state, value) for state, value in states.items()]
+        for one in hindered(changes, wiring.states, wiring.behaviour):
+            has = (wiring.states(one.at) or {}).get(one.lacks.state)
+            for typed in wiring.bringing(one.at, one.lacks):
+                since = f"{one.object} {one.state} stays as it is, since {one.at} {one.lacks.state} is {has}"
+                yield f"{since}; `do {typed}` first"
+    except AhmssError:  # a broken file is told to who uses its kind
+        return
 
-    def behaviour(of: str) -> Behaviour:
-        return workspace.objects.get(objects[of].kind).behaviour
 
-    def now(of: str) -> Mapping[str, Value] | None:
-        return objects[of].states if of in objects else None
+def what_sets(workspace: Workspace, objects: Mapping[str, ObjectRecord], name: str, word: str) -> tuple[str, str]:
+    """The state of an object that a word names, or a value of which, and the action of another object, as it is typed
+    after `do`, that changes it; ("", "")."""
+    wiring = _Wiring(workspace, objects)
+    for state, declared in wiring.behaviour(name).states.items():
+        others = [value for value in declared.values if value != objects[name].states.get(state)]
+        wanted = others if get_close_matches(word, [state]) else get_close_matches(word, others)
+        for typed in (typed for value in wanted for typed in wiring.bringing(name, Clause(state, "==", value))):
+            return state, typed
+    return "", ""
 
-    def drives(affordance: Affordance) -> str:
-        declared = workspace.algorithms.find(affordance.human_algorithm).parameters or {}
+
+@dataclass(frozen=True)
+class _Wiring:
+    """The objects of a world as what follows from their states asks for them."""
+
+    workspace: Workspace
+    objects: Mapping[str, ObjectRecord]
+
+    def behaviour(self, of: str) -> Behaviour:
+        return self.workspace.objects.get(self.objects[of].kind).behaviour
+
+    def states(self, of: str) -> Mapping[str, Value] | None:
+        return self.objects[of].states if of in self.objects else None
+
+    def drives(self, affordance: Affordance) -> str:
+        declared = self.workspace.algorithms.find(affordance.human_algorithm).parameters or {}
         usual = declared["state"].default if "state" in declared else ""
         return str(affordance.parameters.get("state", usual))
 
-    try:
-        for one in hindered([(name, state, value) for state, value in states.items()], now, behaviour):
-            clause = one.lacks
-            has = (now(one.at) or {}).get(clause.state)
-            for source, wanted in sources(one.at, clause, now, behaviour):
-                action = bringing(workspace.objects.get(objects[source].kind), wanted, drives)
-                if action:
-                    first = f"`do {_short(source, objects)} {action}` first"
-                    yield f"{one.object} {one.state} stays as it is, since {one.at} {clause.state} is {has}; {first}"
-    except AhmssError:  # a broken file is told to who uses its kind
-        return
+    def bringing(self, name: str, clause: Clause) -> Iterator[str]:
+        """The actions of other objects, as they are typed after `do`, that bring an object what a clause asks for."""
+        for source, wanted in sources(name, clause, self.states, self.behaviour):
+            action = bringing(self.workspace.objects.get(self.objects[source].kind), wanted, self.drives)
+            if action:
+                yield f"{_short(source, self.objects)} {action}"
 
 
 def _short(name: str, objects: Mapping[str, ObjectRecord]) -> str:

@@ -177,6 +177,7 @@ def test_parameters_are_filled_converted_and_ranged() -> None:
         ({"times": 2.5}, "times: 2.5 is no int"),
         ({"times": 1, "speed": -1}, "speed: -1 is out of range; allowed: 0 to any"),
         ({"times": True}, "times: True is no finite number"),
+        ({"times": 1, "speed": "60%"}, "speed: '60%' is no finite number; allowed: 0 to any"),
         ({"times": 1, "soft": "perhaps"}, "soft: 'perhaps' is no bool"),
     ):
         with pytest.raises(ValueError, match=sentence.replace(".", r"\.")):

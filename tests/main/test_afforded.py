@@ -271,6 +271,19 @@ def test_what_is_not_enabled_names_what_enables_it() -> None:
     assert told("button_1") == []
 
 
+def test_what_is_done_elsewhere_names_what_does_it() -> None:
+    """A pump is started, and an alarm acknowledged, by a button."""
+    room = Room(kind="control_room")
+    for name, action, hint in (
+        ("pump", "start", "its state start is set by `do button_1 press`"),
+        ("pump", "stop", "its state stop is set by `do button_2 press`"),
+        ("window_1", "acknowledge", "its state acknowledge is set by `do button_10 press`"),
+        ("pump", "explode", "it affords: check, point"),
+    ):
+        with pytest.raises(CommandError, match=f'does not afford "{action}"; {hint}'):
+            meant(SHIPPED, room, f"control_room/{name}", action)  # type: ignore[arg-type]
+
+
 def test_who_could_is_named_where_something_is_too_high() -> None:
     class Two(Room):
         def body(self, name: str) -> SimpleNamespace:
