@@ -3,7 +3,7 @@
 It is held out when it is about half-way between both and still, and came there from where the giver had it, or has
 long been there: what has just been drawn near is still as well. Where it was moved while the hand came, the hand comes
 again. It comes from the side that is free of the other's. When it has closed, both stand still until the thing has
-changed hands.
+changed hands, and who has it now until the other's hand is away from it.
 """
 
 from __future__ import annotations
@@ -46,9 +46,10 @@ CAME, LONG = 0.06, 2.5  # metres from where the giver had it at first; seconds t
 MOVED, TRIES = 0.04, 3  # metres that it may have moved while the hand came to it; times that the hand comes
 ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist needs it
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
-OPPOSITE = np.radians(75.0)  # how far from straight opposite the giver's palm the own one may come
+OPPOSITE = np.radians([75.0, 105.0, 135.0])  # how far from straight opposite the giver's palm the own one may come
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
-CLOSES, OPENS, DRAWS = 0.45, 0.3, 0.9  # seconds, the second for the giver's fingers
+CLOSES, DRAWS = 0.45, 0.9  # seconds
+GONE, LETS_GO = 0.075, 1.0  # metres by which the giver's opened hand has gone back; seconds that one waits for it
 CARRIED = np.array([0.30, 0.20, 0.60])  # ahead, to the hand's side, height: shares of 1 m, 1 m and the stature
 X = np.array([1.0, 0.0, 0.0])
 
@@ -65,14 +66,12 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         task.arrived()
         begun = again(task)
         first = first or begun
-        goal = _goal(begun, whom, side)
+        goal = _goal(begun)
         gaze = Looking(begun, goal.place)
         reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
         sides = list(margins(begun, side))
-        if sides:  # something flat: at a margin that the giver does not hold
-            plan = yield from _at_margin(begun, side, sides, goal, gaze, reaching)
-        else:
-            plan = yield from planned(begun, reaching, goal, gaze, prisms_of(begun))
+        goals = _at_margins(begun, side, sides, goal) if sides else _about(begun, whom, side, goal)
+        plan = yield from _easiest(begun, goals, gaze, reaching)
         made = yield from performed(begun, reaching, plan, gaze, _opened(side))
         tell_missed(task, plan)
         rows = at_ease(begun, begun.block(made.rotations, made.root, made.importance, made.targets))
@@ -85,36 +84,40 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     yield closed
     pose = HumanPose.of(closed[-1])
     yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
-    wait = round(OPENS * task.rate)
-    yield np.repeat(closed[-1:], wait, axis=0)
+    yield from _until_let_go(task, whom, closed[-1:])
     yield at_ease(task, _drawn(task, side, pose, first))
 
 
-def _at_margin(
-    task: HumanTask, side: str, sides: list[Margin], goal: Goal, gaze: Looking, reaching: Reaching
-) -> Generator[Array, None, Plan]:
-    """The plan of a reach to one of these margins, to which those are added that the hand comes to aslant if it has to.
+def _easiest(task: HumanTask, goals: Iterator[Goal], gaze: Looking, reaching: Reaching) -> Generator[Array, None, Plan]:
+    """The plan of a reach to the first goal that the arm comes to as it should, or nearest to it.
 
     Raises:
         AlgorithmError: all are out of reach; says by how much.
     """
     best, refused = None, None
-    for aslant in (None, *ASLANT):
-        if aslant is not None:
-            sides += margins(task, side, aslant)
-            yield gaze.alone()
-        goal = Goal(goal.place, palms={side: np.concatenate([margin.palms for margin in sides])})
+    for goal in goals:
         try:
-            best = yield from planned(task, reaching, goal, gaze, prisms_of(task))
+            plan = yield from planned(task, reaching, goal, gaze, prisms_of(task))
         except AlgorithmError as error:
             refused = error
             continue
-        if best.arm.found:
+        if best is None or plan.arm.found or plan.arm.cost < best.arm.cost:
+            best = plan
+        if plan.arm.found:
             break
+        yield gaze.alone()
     if best is None:
         assert refused is not None
         raise refused
     return best
+
+
+def _at_margins(task: HumanTask, side: str, sides: list[Margin], goal: Goal) -> Iterator[Goal]:
+    """Something flat: at a margin that the giver does not hold, and then those too that the hand comes to aslant."""
+    for aslant in (None, *ASLANT):
+        if aslant is not None:
+            sides += margins(task, side, aslant)
+        yield Goal(goal.place, palms={side: np.concatenate([margin.palms for margin in sides])})
 
 
 def _held_at(task: HumanTask, sides: Sequence[Margin], palm: Array, side: str, frames: int) -> HumanTask:
@@ -160,21 +163,24 @@ def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | Huma
     raise AlgorithmError(f"{whom.name} has not held out {task.object.name} within {seconds:g} s")
 
 
-def _goal(task: HumanTask, whom: WorldObject, side: str) -> Goal:
-    """Where the palm goes: as to a thing that stands; where there is a choice, opposite the palm of who holds it."""
-    assert task.object is not None
-    goal = goal_of(again(task, goal=MessageGoal()))  # the thing, not who holds it
+def _goal(task: HumanTask) -> Goal:
+    """Where the palm goes: as to a thing that stands."""
+    return goal_of(again(task, goal=MessageGoal()))  # the thing, not who holds it
+
+
+def _about(task: HumanTask, whom: WorldObject, side: str, goal: Goal) -> Iterator[Goal]:
+    """The palms before it, where there is a choice opposite the palm of who holds it, and then from farther round."""
     reacher = Reacher.of(task.human, side)
     palms = palms_of(goal, reacher, reacher.shoulder(seat(task.human, task.start.rotations, task.start.root)))
     if goal.around is None:
-        return Goal(goal.place, palms={side: palms})
-    theirs = min(
-        (whom.site(f"{hand}_hand", task.start.root) for hand in ("right", "left")),
-        key=lambda palm: float(np.linalg.norm(palm.place - goal.place)),
-    )
+        yield Goal(goal.place, palms={side: palms})
+        return
+    theirs = whom.site(_giving(task, whom), task.start.root)
     apart = rotate(palms[:, 3:], X)[:, :2] @ rotate(theirs.rotation, X)[:2]
-    chosen = palms[apart < -np.cos(OPPOSITE)]
-    return Goal(goal.place, palms={side: chosen if len(chosen) else palms[apart <= apart.min() + 0.3]})
+    for opposite in OPPOSITE:
+        chosen = palms[apart < -np.cos(opposite)]
+        if len(chosen):
+            yield Goal(goal.place, palms={side: chosen})
 
 
 def _opened(side: str) -> tuple[list[int], Array]:
@@ -203,6 +209,26 @@ def _closed(task: HumanTask, side: str, end: Closing, last: Array) -> Array:
     row[:, 7] = 1.0
     rows[:, [176 + link for link in hand]] = 1.0
     return rows
+
+
+def _until_let_go(task: HumanTask, whom: WorldObject, row: Array) -> Iterator[Array]:
+    """The row (1, 260) again until the giver's hand has left the thing, else drawn through its fingers."""
+    hand = _giving(task, whom)
+    had = whom.site(hand, task.start.root).place
+    for _ in range(round(LETS_GO * task.rate)):
+        yield row.copy()
+        if float(np.linalg.norm(whom.site(hand, task.start.root).place - had)) > GONE:
+            return
+
+
+def _giving(task: HumanTask, whom: WorldObject) -> str:
+    """The site of their palm that is nearest to the thing."""
+    assert task.object is not None
+    thing = task.object.place
+    return min(
+        ("right_hand", "left_hand"),
+        key=lambda hand: float(np.linalg.norm(whom.site(hand, task.start.root).place - thing)),
+    )
 
 
 def _drawn(task: HumanTask, side: str, pose: HumanPose, begun: HumanTask) -> Array:
