@@ -49,8 +49,8 @@ class PersonsTerminal:
             return self._session.prompt(prompt, completer=_Completer(candidates))
 
     def say(self, text: str) -> None:
-        """A line above the prompt."""
-        print(text, flush=True)
+        """A line above the prompt, broken between words where it is longer than the terminal is wide."""
+        RichConsole(highlight=False, markup=False, emoji=False).print(text)
 
     def show(self, listing: Listing) -> None:
         """A table of names and sentences."""

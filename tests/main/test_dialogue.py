@@ -153,3 +153,14 @@ def test_on_a_terminal_names_are_shown_whole_however_long_the_sentences_are(
     shown = capsys.readouterr().out
     assert all(f"  {name} " in shown for name in names)
     assert max(map(len, shown.splitlines())) <= 100
+
+
+def test_a_long_sentence_is_broken_between_words(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    words = 'no kind of object "cpu"; allowed: annunciator, bookshelf, castor_chair, control_room, key_switch'
+    PersonsTerminal(None).say(words)
+    told = capsys.readouterr().out
+    assert max(map(len, told.splitlines())) <= 40
+    assert told.split() == words.split()
