@@ -9,6 +9,7 @@ from functools import partial
 import msgspec
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.algorithm.place import WorldObject
@@ -39,6 +40,7 @@ _STANDS = (40, 0.03)  # frames, metres: who has moved no more than that stands
 _LOOKS, _WAITS = 3.3, 12.0  # seconds that one looks whether they come, who look a while as well; until they stand
 _GLANCE = 10  # frames in which one sees whether they walk
 _BESIDE = np.radians([40.0, 125.0])  # to the side, of who stands beside one
+_AT_SIDE = np.radians([90.0, 75.0, 105.0, 60.0])  # from where they face, to their side
 _HALF_TURNED = np.radians(25.0)  # to each other, of two who stand side by side
 _TRIES = 3  # who comes to somebody who walks meanwhile comes after them
 _ROOM = 0.26  # metres from things on the floor to the middle of who stands before somebody
@@ -121,13 +123,24 @@ def _goal(
     here, _ = floor_frame(task.present.rotations, task.present.root)
     way = (whom.place - here)[:2]
     if beside:
-        left = rotate(whom.rotation, np.array([0.0, 1.0, 0.0]))[:2]
-        side = -1.0 if float(left @ way) > 0.0 else 1.0  # the nearer of their sides
-        heading = 2.0 * float(np.arctan2(whom.rotation[3], whom.rotation[0]))
-        return whom.place[:2] + side * apart[1] * left, heading - side * _HALF_TURNED
+        return _at_side(task, whom, way, apart)
     near = apart[0] <= float(np.hypot(*way)) <= apart[2]
     place = here[:2] if near else _before(task, whom.place[:2], way, apart)
     return place, float(np.arctan2(*(whom.place[:2] - place)[::-1]))
+
+
+def _at_side(task: HumanTask, whom: WorldObject, way: Array, apart: tuple[float, float, float]) -> tuple[Array, float]:
+    """The place (2,) beside somebody, at their nearer side where that is free, and which way one faces."""
+    heading = 2.0 * float(np.arctan2(whom.rotation[3], whom.rotation[0]))
+    left = rotate(whom.rotation, np.array([0.0, 1.0, 0.0]))[:2]
+    nearer = -1.0 if float(left @ way) > 0.0 else 1.0
+    sides, aways, asides = (
+        grid.ravel() for grid in np.meshgrid([nearer, -nearer], _aimed_first(apart), _AT_SIDE, indexing="ij")
+    )
+    places = _about(whom.place[:2], aways, heading + sides * asides)
+    free = _free(task, whom.place[:2], places)
+    chosen = int(np.argmax(free))  # the first where none is: who goes there says what is in it
+    return places[chosen], heading - float(sides[chosen]) * _HALF_TURNED
 
 
 def _before(task: HumanTask, whom: Array, way: Array, apart: tuple[float, float, float]) -> Array:
@@ -136,16 +149,30 @@ def _before(task: HumanTask, whom: Array, way: Array, apart: tuple[float, float,
     Where all are, that on the way: who goes there says what is in it.
     """
     first = float(np.arctan2(-way[1], -way[0]))
-    aways, asides = (grid.ravel() for grid in np.meshgrid([apart[1], apart[0], apart[2]], first + _ABOUT))
-    places = whom + aways[:, None] * np.stack([np.cos(asides), np.sin(asides)], axis=-1)
+    aways, asides = (grid.ravel() for grid in np.meshgrid(_aimed_first(apart), first + _ABOUT))
+    places = _about(whom, aways, asides)
+    free = _free(task, whom, places)
+    if free.any():
+        return places[np.argmax(free)]
+    return whom - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
+
+
+def _aimed_first(apart: tuple[float, float, float]) -> list[float]:
+    return [apart[1], apart[0], apart[2]]
+
+
+def _about(whom: Array, aways: Array, angles: Array) -> Array:
+    """Places (n, 2) so many metres (n) from somebody (2,), in these directions (n), radians."""
+    return whom + aways[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def _free(task: HumanTask, whom: Array, places: Array) -> NDArray[np.bool_]:
+    """Which places (n, 2) have room for one who stands there, and nothing between them and somebody (2,)."""
     shapes = Obstacles.of(ground_of(task).outlines, 0.0).shapes[:, None]
     others = shapes[shapely.distance(shapes[:, 0], shapely.Point(whom)) > 0.0]  # who sits is within a chair
     lines = shapely.linestrings(np.stack([np.broadcast_to(whom, places.shape), places], axis=1))
     free = (shapely.distance(shapes, shapely.points(places)) >= _ROOM).all(axis=0)
-    free &= ~shapely.intersects(others, lines).any(axis=0)
-    if free.any():
-        return places[np.argmax(free)]
-    return whom - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
+    return np.asarray(free & ~shapely.intersects(others, lines).any(axis=0))
 
 
 def _look_first(

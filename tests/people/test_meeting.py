@@ -36,3 +36,18 @@ def test_who_talks_to_somebody_behind_a_table_comes_round_it(tmp_path: Path) -> 
     assert abs((np.arctan2(way[1], way[0]) - facing + np.pi) % (2.0 * np.pi) - np.pi) < np.radians(26.0)
     off = np.abs(here[:2] - [0.77, 0.2]) - [0.5, 0.6]
     assert off.max() > 0.2  # beside the table
+
+
+@pytest.mark.timeout(120)
+def test_who_talks_beside_somebody_goes_to_their_other_side_where_a_table_is_at_the_nearer(tmp_path: Path) -> None:
+    (tmp_path / "talk.txt").write_text(
+        "add floor\nadd table at 0 1.1\nhuman ken body ken at 1.4 0.3 facing 180\n"
+        "human aiko body aiko at 0 0 facing 0\nken: do aiko talk beside=true seconds=1\n"
+    )
+    recording = tmp_path / "talk.rec"
+    report = play_script(tmp_path / "talk.txt", PlaySetup(workspace=str(ROOT), fast=True, record=recording))
+    assert [main["messages"] for main in report.mains] == [[], []]
+    ken = Recorded.read(recording, "ken", ("table",))
+    here, _ = floor_frame(ken.rotations[-1], ken.root[-1])
+    assert -0.96 < here[1] < -0.5
+    assert abs(here[0]) < 0.5
