@@ -67,14 +67,27 @@ def choose(arm: Arm, wrist: Wrist, present: Array) -> Chosen:
     cases = solutions(arm, wrist, present)
     within = cases.real & (excess(arm, links_of(cases.angles)) <= _ROUNDING)
     best, any_of_24 = _least(cases.angles, within, present)
-    swing = swing_of(arm, wrist, present_side(arm, links_of(present), wrist.place))
+    swung, possible, missing = _swung(arm, wrist, present)
+    straighter = arm.limits[1, 1, 0] < 0.0  # an elbow that is straightened beyond a line has a place of its own
+    if straighter and not bool(np.all(any_of_24 | possible)):
+        other, also, _ = _swung(arm, wrist, present, beyond=True)
+        swung, possible = np.where(possible[..., None], swung, other), possible | also
+    angles = np.where(any_of_24[..., None], best, np.where(possible[..., None], swung, present))
+    return Chosen(angles, any_of_24 | possible, missing, possible & ~any_of_24)
+
+
+def _swung(arm: Arm, wrist: Wrist, present: Array, *, beyond: bool = False) -> tuple[Array, Any, Array]:
+    """The angles (..., 7) of the nearest swing of the elbow, whether the limits allow it, and metres that are missing.
+
+    beyond: of an elbow that is straightened beyond the line from shoulder to wrist.
+    """
+    swing = swing_of(arm, wrist, present_side(arm, links_of(present), wrist.place), beyond=beyond)
     phi, possible = nearest_swing(allowed(swing.measures(), limits_of(arm)), np.zeros(swing.bend.shape))
-    possible = possible & (np.abs(swing.missing) < _TINY)
+    possible = possible & (np.abs(swing.missing) < _TINY) & (swing.bend >= arm.limits[1, 1, 0] - _ROUNDING)
     # Each rotation of shoulder and wrist has two names, (B.36) and (B.22): again the nearest.
     names = _names(angles_of(swing.links(phi)))
     swung, _ = _least(names, np.full(names.shape[:-1], True), present)
-    angles = np.where(any_of_24[..., None], best, np.where(possible[..., None], swung, present))
-    return Chosen(angles, any_of_24 | possible, swing.missing, possible & ~any_of_24)
+    return swung, possible, swing.missing
 
 
 def present_side(arm: Arm, links: Array, place: Array) -> Array:

@@ -75,19 +75,20 @@ class Swing:
         return np.stack([np.stack(pair, axis=-2) for pair in pairs], axis=-3)
 
 
-def swing_of(arm: Arm, wrist: Wrist, side: Array) -> Swing:
+def swing_of(arm: Arm, wrist: Wrist, side: Array, *, beyond: bool = False) -> Swing:
     """The freedom of wrist poses (...).
 
     Args:
         arm: its measures; the elbow bends no further than its limit.
         wrist: places (..., 3) and rotations (..., 4) in the shoulder frame.
         side: (..., 3) where the elbow points at swing 0, as far as that is square to the line from shoulder to wrist.
+        beyond: the elbow is straightened beyond the line, by as much as it would be bent, whatever its limit.
     """
     distance = np.linalg.norm(wrist.place, axis=-1)
     L1, L2 = arm.lengths
     reach = np.clip(distance, shortest(arm), L1 + L2)
     bend, _ = elbow(arm.lengths, reach)
-    bend = np.minimum(bend, _most_bent(arm))
+    bend = np.minimum(bend, _most_bent(arm)) * (-1.0 if beyond else 1.0)
     line = np.where(distance[..., None] < _TINY, np.array([1.0, 0.0, 0.0]), wrist.place)
     line = line / np.linalg.norm(line, axis=-1, keepdims=True)
     outward = _square_to(line, side)

@@ -28,9 +28,9 @@ def same(p, q, atol=1e-9):
     return np.allclose(np.abs((p * q).sum(axis=-1)), 1.0, rtol=0, atol=atol)
 
 
-def random_links(rng, arm, n, spread=1.0):
-    """Arms within their limits (m, 3, 4), m < n."""
-    lower = turn_about_y(rng.uniform(0.0, arm.limits[1, 1, 1], n))
+def random_links(rng, arm, n, spread=1.0, *, beyond=False):
+    """Arms within their limits (m, 3, 4), m < n, whose elbows are bent, or straightened beyond the line."""
+    lower = turn_about_y(arm.limits[1, 1, 0 if beyond else 1] * rng.uniform(size=n))
     lower = multiply(lower, from_rotation_vector(rng.uniform(*arm.limits[1, 0], n)[:, None] * [1.0, 0.0, 0.0]))
     bend = np.stack([np.zeros(n), rng.uniform(*arm.limits[2, 1], n), rng.uniform(*arm.limits[2, 2], n)], axis=-1)
     upper = from_rotation_vector(rng.normal(size=(n, 3)) * spread)

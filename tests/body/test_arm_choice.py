@@ -40,6 +40,18 @@ def test_each_pose_that_an_arm_can_take_is_found(side):
     check(arm, chosen, wrist)
 
 
+@pytest.mark.parametrize("side", SIDES)
+def test_an_elbow_that_is_straightened_beyond_the_line_is_found_as_well(side):
+    """Limits allow 5 degrees of it: one in fifty such poses is within the limits so only."""
+    arm = Arm.of(HUMANS["ken"], side)
+    links = random_links(np.random.default_rng(3), arm, 3000, beyond=True)
+    wrist = wrist_of(arm, links)
+    chosen = choose(arm, wrist, np.zeros((len(links), 7)))
+    assert chosen.found.all()
+    assert (chosen.angles[chosen.swung, 3] < 0.0).any()
+    check(arm, chosen, wrist)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", HUMANS)
 @pytest.mark.parametrize("side", SIDES)
