@@ -28,6 +28,7 @@ __all__ = ["reach_while_carried"]
 
 _SPINE = INDEX["spine"]
 _MOST_MISSED = 0.06  # metres that are not told of who was carried to a thing
+_MOST_SHORT = 0.002  # the same of who was carried near enough
 _RELAXED = 0.9  # seconds of a reach on the way
 _SETS_OUT = 1.35  # seconds before the body is near enough: a hand that hangs beside a table is over its edge in time
 _SLOWER = 0.5  # of its speed that a body keeps in the mean until the end of a reach: who arrives stops
@@ -212,5 +213,5 @@ def _tell_missed(task: HumanTask, carried: Carried) -> None:
         )
     elif missing > _MOST_MISSED:
         task.note(f"{hand} arm was {missing:.2f} m too short; let it begin later (`after N`) or take more frames")
-    elif carried.short > _MOST_MISSED:
-        task.note(f"{hand} joints left it {carried.short:.2f} m short of its place")
+    elif carried.short > _MOST_SHORT:
+        task.note(f"{hand} joints left it {1000.0 * carried.short:.0f} mm short of its place")
