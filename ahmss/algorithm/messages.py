@@ -245,6 +245,10 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
         dict[str, int] | UnsetType,
         Meta(description='what is in the `"right"` and the `"left"` hand, its number in `world`; missing: nothing'),
     ] = UNSET
+    led: Annotated[
+        list[Literal["right", "left"]] | UnsetType,
+        Meta(description="of these hands those that a motion made with this one leads; missing: none"),
+    ] = UNSET
     hold: Annotated[
         Literal["", "take", "keep", "release"], Meta(description="what the action does to the object in the hand")
     ] = ""

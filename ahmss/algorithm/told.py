@@ -89,6 +89,11 @@ class Task:
         return () if self.message.busy is UNSET else tuple(self.message.busy)
 
     @property
+    def led(self) -> tuple[str, ...]:
+        """Of these those that a motion made with this one leads, from the start or by and by: it has their arms."""
+        return () if self.message.led is UNSET else tuple(self.message.led)
+
+    @property
     def between(self) -> bool:
         """Whether both hands hold one thing between them."""
         held = {} if self.message.held is UNSET else self.message.held

@@ -155,9 +155,10 @@ class Database:
             refuse_full(scene, order.title, name)
 
     def start(
-        self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float, *, carried: bool = False
-    ) -> messages.Start:
-        """The START message of the order's human or object algorithm ("human" or "object")."""
+        self, order: Order, kind: str, scene: Scene, actor: Actor, seed: int, rate: float, *, carried: bool = False,
+        others: Sequence[Order] = (),
+    ) -> messages.Start:  # fmt: skip
+        """The START message of the order's human or object algorithm ("human" or "object"), made with others."""
         entry = order.human_algorithm if kind == "human" else order.object_algorithm
         assert entry is not None
         told = Description(self.workspace, scene, entry, actor.holds, actor.name)
@@ -180,6 +181,7 @@ class Database:
             hand=_side(order.hand),
             busy=sorted(_side(hand) for hand in actor.full) or UNSET,
             held=_in_hands(scene, actor) or UNSET,
+            led=_led(others, actor) or UNSET,
             hold=_hold(order.affordance.hold),
             world=told.world(order.object, actor.root),
             directory=str(entry.directory),
@@ -278,6 +280,12 @@ class Database:
 
 def _side(hand: str) -> Any:
     return hand if hand in ("right", "left") else ""
+
+
+def _led(others: Sequence[Order], actor: Actor) -> list[Any]:
+    """The hands of what the acting human holds and other motions are about: they have these arms."""
+    about = {order.object for order in others}
+    return sorted({_side(hand) for name, hand in actor.holds.items() if hand and name in about})
 
 
 def _in_hands(scene: Scene, actor: Actor) -> dict[str, int]:

@@ -57,7 +57,10 @@ class Starting:
         motion.met = self._as_it_is(order)
         motion.mover = None if self.comes_first(motion) else self._claims.claim(order)
         _carry(motion, motions)
-        start = self._database.start(order, "human", seen, actor, self._next_seed(), self._rate, carried=motion.carried)
+        others = [other.order for other in motions if other is not motion]
+        start = self._database.start(
+            order, "human", seen, actor, self._next_seed(), self._rate, carried=motion.carried, others=others
+        )
         motion.process = self._launcher.start(order.human_algorithm, start)
         if order.act.frames and order.frames > order.act.frames:
             self._note(f"{order.title}: {too_few(order.act.frames, order.frames)}")

@@ -2,12 +2,13 @@
 
 One walks past a panel, or goes to it and leans over it while the other hand is at work, and what is held goes along;
 where it would be in something the hand is moved aside with it, turned as it was, sooner than it would be there
-(`ahmss.reaching.aside`). An arm that another motion has is left to it.
+(`ahmss.reaching.aside`). An arm that another motion has is left to it; of who lets its arms hang meanwhile, main says
+which these are, as long as such an arm is not seen to be as it was told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -35,13 +36,22 @@ _GOES = 0.1  # metres in the frames that are looked ahead: who goes less far sta
 # Metres aside at which it counts in full; how much it then does, more than that of who keeps the arm as it is and does
 # not know where the body goes.
 _ALL, _CARES = 0.04, 400.0
-_OTHERS = 0.6  # radians from how it was left: an arm that is so far off is another motion's
+_OTHERS = 0.6  # radians from how it was told: an arm that is so far off is another motion's
+# Radians from how it was told at which one that is led has parted from that, and at which it is as told again: it is led
+# no more.
+_PARTED, _AS_TOLD = 0.1, 0.03
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
 
 
-def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
-    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them."""
-    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side) for side in task.busy]
+def kept_clear(task: HumanTask, made: Iterator[Array], led: Sequence[str] = ()) -> Iterator[Array]:
+    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them.
+
+    led: the sides of arms that are another motion's, of a motion that does not tell them to stay where they are.
+    """
+    if task.between:
+        arms = [_Held(task, *task.busy)]
+    else:
+        arms = [_Held(task, side, led=side in led) for side in task.busy]
     if not arms:
         yield from made
         return
@@ -71,12 +81,16 @@ def _soon(task: HumanTask, row: Array) -> Array | None:
 
 
 class _Held:
-    """The arm whose hand holds something, or both arms that hold one thing between them: they go aside together."""
+    """The arm whose hand holds something, or both arms that hold one thing between them: they go aside together.
 
-    def __init__(self, task: HumanTask, *sides: str) -> None:
+    led: it is another motion's, for as long as it is not seen to be as it is told.
+    """
+
+    def __init__(self, task: HumanTask, *sides: str, led: bool = False) -> None:
         self._reachers = [Reacher.of(task.human, side) for side in sides]
         self._aside, self._things = Aside(task.rate), Things(task)
         self._held, self._thick = points_of(task, sides[0], task.in_hand(sides[0]))
+        self._led, self._parted = led, False
         self._along: Array | None = None  # the way of the body
         self._last: Array | None = None  # where its points were at the frame before
         self._task, self._given = task, [task.start.rotations[reacher.links].copy() for reacher in self._reachers]
@@ -106,6 +120,7 @@ class _Held:
         """Change rows (n, ...) of poses (n, 43, 4), (n, 3), from frame `first` of its points (N + 30, m, 3) on."""
         if self._is_anothers():
             self._aside = Aside(self._task.rate)
+            self._given = [rotations[-1, reacher.links] for reacher in self._reachers]
             return
         prisms = self._things.about(root[0], sought=True)
         for k in range(len(rows)):
@@ -135,10 +150,13 @@ class _Held:
         self._given = arms
 
     def _is_anothers(self) -> bool:
-        """Whether the arm is not where it was left."""
+        """Whether the arm is led, or not where it was told to be."""
         now = [self._task.present.rotations[reacher.links] for reacher in self._reachers]
-        off = np.linalg.norm(to_rotation_vector(multiply(conjugate(np.array(self._given)), np.array(now))), axis=-1)
-        return bool(off.max() > _OTHERS)
+        turned = to_rotation_vector(multiply(conjugate(np.array(self._given)), np.array(now)))
+        off = float(np.linalg.norm(turned, axis=-1).max())
+        self._parted = self._parted or off > _PARTED
+        self._led = self._led and not (self._parted and off < _AS_TOLD)
+        return self._led or off > _OTHERS
 
 
 def _hand(reacher: Reacher, rotations: Array, root: Array) -> tuple[Array, Array, Array]:
