@@ -37,9 +37,7 @@ _GOES = 0.1  # metres in the frames that are looked ahead: who goes less far sta
 # not know where the body goes.
 _ALL, _CARES = 0.04, 400.0
 _OTHERS = 0.6  # radians from how it was told: an arm that is so far off is another motion's
-# Radians from how it was told at which one that is led has parted from that, and at which it is as told again: it is led
-# no more.
-_PARTED, _AS_TOLD = 0.1, 0.03
+_PARTED, _AS_TOLD = 0.1, 0.03  # so far off one that is led has parted from it; then so near again, it is led no more
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
 
 
@@ -48,10 +46,7 @@ def kept_clear(task: HumanTask, made: Iterator[Array], led: Sequence[str] = ()) 
 
     led: the sides of arms that are another motion's, of a motion that does not tell them to stay where they are.
     """
-    if task.between:
-        arms = [_Held(task, *task.busy)]
-    else:
-        arms = [_Held(task, side, led=side in led) for side in task.busy]
+    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side, led=side in led) for side in task.busy]
     if not arms:
         yield from made
         return

@@ -3,30 +3,35 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 
 import msgspec
 import numpy as np
 import pytest
 
 from ahmss.algorithm import Transform, frames
+from ahmss.algorithm.messages import Goal
 from ahmss.algorithm.task import HumanFrame, HumanTask
 from ahmss.body.inertialisation import Inertialiser
 from ahmss.body.inverse import grips, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, to_rotation_vector
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate, slerp, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
 from ahmss.reaching.prism import clearance
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
+from ahmss.skills.keeping import kept_clear
 from ahmss.skills.letting_down import let_down, let_down_free
 from ahmss.skills.tucking import Tucking
 
 from .reached import outlined, prisms
-from .scene import CUP, Body, frame_of, program, record
+from .scene import CUP, WORKSPACE, Body, frame_of, program, record
 
 UP = np.array([0.0, 0.0, 1.0])
 SINK = "room/sink"
+OVER, CLOSE = (3.15, 0.35, 1.02), (3.15, 0.3, 0.92)  # where a palm is over it; where it is to be kept clear
+WALKS = str(WORKSPACE.objects.get("floor").affordances["walk"].motion)
 
 
 def test_what_is_held_comes_upright_and_stays_so_without_end() -> None:
@@ -178,12 +183,12 @@ def test_where_there_is_room_hands_hang_and_a_hand_that_holds_something_is_left_
         np.testing.assert_allclose(at[-1], at[0], atol=1e-9)
 
 
-def over_the_sink(hand: str) -> tuple[HumanTask, HumanFrame, np.ndarray]:
+def over_the_sink(hand: str, at: tuple[float, float, float] = OVER) -> tuple[HumanTask, HumanFrame, np.ndarray]:
     """A task of one at the sink, one hand busy if it is named; how the right one is over it; a row of hanging arms."""
     task, rows = stood(np.array([2.8, 0.25, 0.0]), hand)
     row, targets = task.start.row.copy(), np.zeros((5, 8))
     ahead = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # the palm to the sink, the thumb up
-    targets[0, :3], targets[0, 3:7], targets[0, 7] = [3.15, 0.35, 1.02], from_matrix(ahead), 1.0
+    targets[0, :3], targets[0, 3:7], targets[0, 7] = at, from_matrix(ahead), 1.0
     row[4:176] = solve(task.human, row[4:176].reshape(43, 4), row[1:4], targets).reshape(172)
     return task, HumanFrame(row), rows[:1]
 
@@ -231,6 +236,43 @@ def test_an_arm_over_a_thing_that_another_motion_has_had_is_let_down_where_there
     step = np.linalg.norm(to_rotation_vector(multiply(conjugate(turns[:-1]), turns[1:])), axis=-1)
     assert np.degrees(step.max()) < 13.0  # of which an eighth is seen at the most while the arm is another's
     assert palms(after)[-1, 0, 2] < palms(after)[0, 0, 2] - 0.2
+
+
+def led(task: HumanTask, made: Iterable[np.ndarray], ends: int) -> np.ndarray:
+    """Rows (n, ...) as shown, the right arm blended with a motion that keeps it as it begins, for so many frames."""
+    arm, kept = Reacher.of(task.human, "right").links, task.start.rotations.copy()
+    shown = list[np.ndarray]()
+    for rows in made:
+        for row in np.atleast_2d(np.array(rows)):
+            if len(shown) < ends:
+                share = 1.0 / (1.0 + row[176 + arm.start])
+                own = row[4:176].reshape(43, 4)
+                own[arm] = slerp(own[arm], kept[arm], np.full(3, share))
+            shown.append(row)
+        task.present = HumanFrame(shown[-1][:190])
+    return np.array(shown)
+
+
+def test_a_hand_that_is_led_is_not_let_down_by_the_walk_that_one_sets_out_on() -> None:
+    """The walk, which kept it clear of the sink, had it at once, and let its cup fall by 26 cm."""
+    task, held, _ = over_the_sink("right", CLOSE)
+    told = {"object": None, "frames": 0, "motion": WALKS, "goal": Goal(place=(1.6, 0.4, 0.0)), "led": ["right"]}
+    task = HumanTask(msgspec.structs.replace(task.message, **told))
+    task.start = task.present = held
+    rows = led(task, program("walk")(task), 10**6)
+    at = palms(rows)[:, 0] - rows[:, 1:4]
+    assert len(rows) > 120
+    assert at[:, 2].min() > at[0, 2] - 0.05
+
+
+def test_a_hand_that_is_led_no_more_is_kept_clear_again() -> None:
+    task, held, hanging = over_the_sink("right", CLOSE)
+    task.start = task.present = held
+    goes = going_off(hanging, 260)
+    there = np.concatenate([goes, goes[::-1]])
+    rows = led(task, kept_clear(task, let_down(task, iter(np.split(there, 4))), ["right"]), 150)
+    assert in_the_sink(task, there[300:]) > 0.01
+    assert in_the_sink(task, rows[300:]) < -0.01
 
 
 def carried(leans: float, *, beside: bool) -> tuple[Body, list[np.ndarray], list[np.ndarray]]:

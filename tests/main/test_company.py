@@ -6,9 +6,11 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import UNSET
 
 from ahmss.algorithm.messages import Start as StartMessage
 from ahmss.algorithm.task import HumanTask
@@ -21,6 +23,7 @@ from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.company import MovingSites, numbers
 from ahmss.main.naming import find_object
+from ahmss.main.order import Order
 from ahmss.main.process import MainProcess, Setup
 from ahmss.port import schema
 from ahmss.world.process import ServerProcess
@@ -80,6 +83,26 @@ def test_an_algorithm_is_told_what_each_hand_holds(pair: tuple[MainProcess, Main
     start = ken.database.start(ken.database.order(Act("ken", "bow"), scene, actor), "human", scene, actor, 1, 60.0)
     assert start.held == {"left": number}
     assert start.busy == ["left"]
+
+
+def test_an_algorithm_is_told_which_full_hands_a_motion_made_with_it_leads(
+    pair: tuple[MainProcess, MainProcess], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ken, _ = pair
+    start, told = ken.database.start, dict[str, StartMessage]()
+
+    def started(order: Order, *given: Any, **named: Any) -> StartMessage:
+        told[order.title] = start(order, *given, **named)
+        return told[order.title]
+
+    ken.play(steps("add cup as mug at 0.4 -0.2 0.9", "do mug grasp hand right"))
+    assert ken.actor.holds == {"mug": "right"}
+    monkeypatch.setattr(ken.database, "start", started)
+    ken.play(steps("do ken nod with mug carry"))
+    assert told["ken nod"].led == told["ken nod"].busy == ["right"]
+    assert told["mug carry"].led is UNSET
+    ken.play(steps("do ken nod"))
+    assert told["ken nod"].led is UNSET
 
 
 def test_nobody_goes_to_themselves(pair: tuple[MainProcess, MainProcess]) -> None:
