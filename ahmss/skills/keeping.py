@@ -2,13 +2,13 @@
 
 One walks past a panel, or goes to it and leans over it while the other hand is at work, and what is held goes along;
 where it would be in something the hand is moved aside with it, turned as it was, sooner than it would be there
-(`ahmss.reaching.aside`). An arm that another motion has is left to it; of who lets its arms hang meanwhile, main says
-which these are, as long as such an arm is not seen to be as it was told.
+(`ahmss.reaching.aside`). An arm that another motion has is left to it, which may keep what is held upright as well:
+main says which are led as one begins, and they are until they are seen to be as they are told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -37,16 +37,14 @@ _GOES = 0.1  # metres in the frames that are looked ahead: who goes less far sta
 # not know where the body goes.
 _ALL, _CARES = 0.04, 400.0
 _OTHERS = 0.6  # radians from how it was told: an arm that is so far off is another motion's
-_PARTED, _AS_TOLD = 0.1, 0.03  # so far off one that is led has parted from it; then so near again, it is led no more
+# One that is led has parted from it so far off; then so near again, so many times on end, it is led no more.
+_PARTED, _AS_TOLD, _TIMES = 0.1, 0.03, 15
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
 
 
-def kept_clear(task: HumanTask, made: Iterator[Array], led: Sequence[str] = ()) -> Iterator[Array]:
-    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them.
-
-    led: the sides of arms that are another motion's, of a motion that does not tell them to stay where they are.
-    """
-    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side, led=side in led) for side in task.busy]
+def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
+    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them."""
+    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side) for side in task.busy]
     if not arms:
         yield from made
         return
@@ -78,14 +76,15 @@ def _soon(task: HumanTask, row: Array) -> Array | None:
 class _Held:
     """The arm whose hand holds something, or both arms that hold one thing between them: they go aside together.
 
-    led: it is another motion's, for as long as it is not seen to be as it is told.
+    One that is led is another motion's, until it is seen to be as it is told.
     """
 
-    def __init__(self, task: HumanTask, *sides: str, led: bool = False) -> None:
+    def __init__(self, task: HumanTask, *sides: str) -> None:
         self._reachers = [Reacher.of(task.human, side) for side in sides]
         self._aside, self._things = Aside(task.rate), Things(task)
         self._held, self._thick = points_of(task, sides[0], task.in_hand(sides[0]))
-        self._led, self._parted = led, False
+        self._led = len(sides) == 1 and sides[0] in task.led
+        self._parted, self._as_told = False, 0
         self._along: Array | None = None  # the way of the body
         self._last: Array | None = None  # where its points were at the frame before
         self._task, self._given = task, [task.start.rotations[reacher.links].copy() for reacher in self._reachers]
@@ -150,7 +149,8 @@ class _Held:
         turned = to_rotation_vector(multiply(conjugate(np.array(self._given)), np.array(now)))
         off = float(np.linalg.norm(turned, axis=-1).max())
         self._parted = self._parted or off > _PARTED
-        self._led = self._led and not (self._parted and off < _AS_TOLD)
+        self._as_told = self._as_told + 1 if self._parted and off < _AS_TOLD else 0
+        self._led = self._led and self._as_told < _TIMES
         return self._led or off > _OTHERS
 
 

@@ -34,11 +34,8 @@ UPRIGHT = 0.04  # metres that the hips are from where they are in standing: else
 
 
 def walk(task: HumanTask) -> Iterator[Array]:
-    """The frames of the walk, a step at a time, what hands hold kept out of things beside it.
-
-    A hand that is led is kept out of them by what leads it: the walk would have its arm hang.
-    """
-    return let_down_free(task, kept_clear(task, let_down(task, _walk(task)), task.led))
+    """The frames of the walk, a step at a time, what hands hold kept out of things beside it."""
+    return let_down_free(task, kept_clear(task, let_down(task, _walk(task))))
 
 
 def _walk(task: HumanTask) -> Iterator[Array]:

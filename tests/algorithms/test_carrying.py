@@ -267,10 +267,11 @@ def test_a_hand_that_is_led_is_not_let_down_by_the_walk_that_one_sets_out_on() -
 
 def test_a_hand_that_is_led_no_more_is_kept_clear_again() -> None:
     task, held, hanging = over_the_sink("right", CLOSE)
+    task = HumanTask(msgspec.structs.replace(task.message, led=["right"]))
     task.start = task.present = held
     goes = going_off(hanging, 260)
     there = np.concatenate([goes, goes[::-1]])
-    rows = led(task, kept_clear(task, let_down(task, iter(np.split(there, 4))), ["right"]), 150)
+    rows = led(task, kept_clear(task, let_down(task, iter(np.split(there, 4)))), 150)
     assert in_the_sink(task, there[300:]) > 0.01
     assert in_the_sink(task, rows[300:]) < -0.01
 
