@@ -179,7 +179,10 @@ class ObjectRecord(msgspec.Struct, frozen=True, omit_defaults=True):
         list[list[Point]],
         Meta(description="outlines of what it occupies for a walker, in its frame turned about z only, metres"),
     ] = []
-    shape: Annotated[ShapeRecord | None, Meta(description="of the target, as algorithm.toml's `shape` asks")] = None
+    shape: Annotated[
+        ShapeRecord | None,
+        Meta(description="of the target, as algorithm.toml's `shape` asks; of the others, as `shapes` asks"),
+    ] = None
     way: Annotated[
         list[Point] | None,
         Meta(description=f"of a human, as algorithm.toml's `ways` asks: where the hips will be in {_SOON} s, metres"),

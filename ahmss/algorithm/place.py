@@ -64,7 +64,8 @@ class WorldObject:
     in the world, by their ids. way: of a human, where they mean to be, (6, 2) metres at the seconds of
     `ahmss.motion.way.AHEAD` from now; None where they tell none, or algorithm.toml does not ask for `ways`. heard: the
     last frame in which anything was told of a human.
-    shape: of the target, where algorithm.toml asks for `shape` and it has one; read when first looked at.
+    shape: of the target, where algorithm.toml asks for `shape` and it has one, and of what else has a footprint where
+    it asks for `shapes`; read when first looked at.
     """
 
     id: int

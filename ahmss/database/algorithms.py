@@ -51,6 +51,7 @@ class AlgorithmFile(msgspec.Struct, forbid_unknown_fields=True):
     humans: bool = False
     ways: bool = False
     shape: bool = False
+    shapes: bool = False
     carries: bool = False
     accompanies: bool = False
     stretches: bool = False
@@ -138,12 +139,14 @@ class AlgorithmFinder:
             raise document.error(("ways",), "asks where the other humans mean to be; add `humans = true`")
         if top.arms and not top.humans:
             raise document.error(("arms",), "asks where the other humans' arms are; add `humans = true`")
+        if top.shapes and not top.footprints:
+            raise document.error(("shapes",), "asks for the shapes of what occupies the floor; add `footprints = true`")
         if not 0.0 <= top.fewest <= 1.0:
             raise document.error(("fewest",), f"{top.fewest:g} is no share of the action's frames; allowed: 0 to 1")
         body = (top.carries, top.accompanies, top.ways, top.stretches, top.rests, top.arrives, top.arms, top.fewest)
         if top.catches and top.kind != "object":
             raise document.error(("catches",), "is what an object does; leave it out of a human's algorithm")
-        asks = (top.world, top.footprints, top.humans, top.shape, *body, top.catches)
+        asks = (top.world, top.footprints, top.humans, top.shape, *body, top.catches, top.shapes)
         return AlgorithmEntry(name, top.kind, argv, file.parent, top.sentence, parameters, *asks)
 
     def _argv(self, document: Document, argv: list[str]) -> tuple[str, ...]:

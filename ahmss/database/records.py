@@ -133,7 +133,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     else a program (an absolute path, or a name on the PATH), started in `directory`. world: what of it START brings.
     footprints: whether START says which area on the floor each object occupies. humans: whether it brings the others;
     ways: and whether it and each FRAME say where they mean to be; arms: and, of those near, where their arms are.
-    shape: whether START says where the target's shape is kept.
+    shape: whether START says where the target's shape is kept; shapes: where those of what occupies the floor are.
     carries: whether its motion carries the body elsewhere, so that others made with it leave hips and legs to it.
     accompanies: whether its motion lasts as long as those made with it, where nobody says for how long.
     stretches: whether it takes longer than its action's frames, where these are too few and nobody asks for so many.
@@ -164,6 +164,7 @@ class AlgorithmEntry(msgspec.Struct, frozen=True):
     arms: bool = False
     fewest: float = 0.0
     catches: bool = False
+    shapes: bool = False
 
 
 class HumanModel(msgspec.Struct, frozen=True):

@@ -128,6 +128,12 @@ class Description:
             return told
         return msgspec.structs.replace(told, states={**told.states, ONESELF: "yes"})
 
+    def _with_shape(self, told: messages.ObjectRecord) -> messages.ObjectRecord:
+        """Another object than the target, with its shape where those of what occupies the floor are asked for."""
+        if not self._entry.shapes or not told.footprint:
+            return told
+        return msgspec.structs.replace(told, shape=self._shape(told.kind))
+
     def _shape(self, kind: str) -> messages.ShapeRecord | None:
         """Where the shape of a kind is kept; None where it has none, or one that is broken or can't be kept."""
         try:
@@ -155,7 +161,7 @@ class Description:
                 continue
             if asked == "all" or float(np.linalg.norm(self._scene.pose(name)[:3] - root)) <= _NEAR:
                 try:
-                    found.append(self._object(name))
+                    found.append(self._with_shape(self._object(name)))
                 except AhmssError:  # another object's broken file does not concern this motion
                     continue
         others = self._scene.others() if self._entry.humans else ()

@@ -10,13 +10,15 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from ahmss.algorithm.haste import least
+from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import align, slerp
+from ahmss.body.quaternion import about_z, align, multiply, slerp
 from ahmss.errors import AlgorithmError
+from ahmss.motion.contact import foot_points
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet, plant
 from ahmss.motion.way import staying
@@ -30,7 +32,7 @@ from ahmss.skills.reaching import prisms_of
 from ahmss.skills.sitting import seat_of, stands
 from ahmss.walking.library import BODY
 
-__all__ = ["at_ease_on", "crouches", "drawn_in", "risen"]
+__all__ = ["at_ease_at", "at_ease_on", "crouches", "drawn_in", "risen"]
 
 _UP, _IN = 1.3, 0.9  # seconds
 _ELSEWHERE = 0.25  # metres from where a hand hangs at ease, from which on it is drawn in
@@ -53,13 +55,35 @@ def at_ease_on(task: HumanTask, rotations: Array, root: Array) -> Posture:
     Raises:
         AlgorithmError: the action names no walk library, which says how.
     """
+    own = rotations.copy()
+    own[:BODY] = _ease(task)
+    own, above = plant(task.human, own, feet(task.human, rotations, root))
+    return Posture(align(own, rotations), above)
+
+
+def at_ease_at(task: HumanTask, stand: Transform) -> Posture:
+    """Standing at ease at a place on the floor, looking along its x; the fingers as they are.
+
+    Raises:
+        AlgorithmError: the action names no walk library, which says how.
+    """
+    own = task.start.rotations.copy()
+    own[:BODY] = _ease(task)
+    own[0] = multiply(about_z(stand.rotation), own[0])
+    soles = foot_points(task.human, own, np.zeros(3))[..., 2]
+    return Posture(align(own, task.start.rotations), np.append(stand.place[:2], -float(soles.min())))
+
+
+def _ease(task: HumanTask) -> Array:
+    """How one stands at ease, rotations (15, 4).
+
+    Raises:
+        AlgorithmError: the action names no walk library, which says how.
+    """
     if task.library is None:
         raise AlgorithmError("standing up needs a walk library as the action's motion, for how one stands at ease")
     clip = next(clip for key, clip in task.library.clips.items() if key.kind == "start")
-    own = rotations.copy()
-    own[:BODY] = clip.rotations[0][:BODY]
-    own, above = plant(task.human, own, feet(task.human, rotations, root))
-    return Posture(align(own, rotations), above)
+    return clip.rotations[0][:BODY]
 
 
 def risen(task: HumanTask, importance: Array, keeps: Sequence[str] = ()) -> Generator[Array, None, HumanTask]:

@@ -45,6 +45,17 @@ def test_the_shape_is_told_to_who_asks(workspace: Workspace) -> None:
     ]
 
 
+def test_shapes_are_told_to_who_asks_for_footprints_and_them(
+    workspace: Workspace,
+) -> None:
+    add_algorithm(workspace, "nod", NOD)
+    add_algorithm(workspace, "sit", f"{NOD}footprints = true\nshapes = true\n".replace("nod", "sit"))
+    assert [workspace.algorithms.find(name).shapes for name in ("nod", "sit")] == [False, True]
+    add_algorithm(workspace, "lie", f"{NOD}shapes = true\n".replace("nod", "lie"))
+    with pytest.raises(DataError, match="asks for the shapes of what occupies the floor; add `footprints = true`"):
+        workspace.algorithms.find("lie")
+
+
 def test_ways_are_told_to_who_asks_for_humans_and_them(workspace: Workspace) -> None:
     add_algorithm(workspace, "nod", NOD)
     add_algorithm(workspace, "walk", f"{NOD}humans = true\nways = true\n".replace("nod", "walk"))

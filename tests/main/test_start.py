@@ -76,6 +76,18 @@ def test_the_shape_is_told_of_the_target_where_it_is_asked_for(ken: MainProcess,
     assert messages.decode_start(messages.encode_start(start)[5:]) == start
 
 
+def test_the_shapes_of_what_occupies_the_floor_are_told_where_they_are_asked_for(
+    ken: MainProcess, workspace: Path
+) -> None:
+    ask(workspace, "footprints = true")
+    assert [record.shape for record in told(ken, "do a step to b").world] == [None]
+    ask(workspace, "shapes = true")
+    start = told(ken, "do a step to b")
+    assert start.object is not None
+    assert start.object.shape is None
+    assert [record.shape is not None for record in start.world] == [True]
+
+
 def test_what_is_in_the_hand_occupies_nothing(ken: MainProcess, workspace: Path) -> None:
     ask(workspace, "footprints = true")
     ken.play(steps("do a take frames 10"))
