@@ -17,11 +17,11 @@ from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.errors import AlgorithmError
 from ahmss.motion.way import ways_of
-from ahmss.walking.clearing import held_arms
 from ahmss.walking.hesitating import back, last_moment
 from ahmss.walking.hindering import in_vain, waits
 from ahmss.walking.journey import SPOT, AtSeam, Footing, Journey, at_seam, footing
 from ahmss.walking.library import RATE, Library
+from ahmss.walking.limbs import held_arms
 from ahmss.walking.makingway import held_up, least, meets, yields
 from ahmss.walking.pieces import (
     Clearing,

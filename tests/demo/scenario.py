@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -49,14 +49,17 @@ def states_of(path: Path, names: Iterable[str]) -> Mapping[str, list[Mapping[str
 
 def met(
     path: Path, human: str, workspace: Path, every: int, least: float = 0.003, ticks: range | None = None,
-    filled: str = "",
+    filled: str = "", ends: str | tuple[str, ...] = "",
 ) -> list[Met]:  # fmt: skip
     """Where the skin of a human is in a thing by more than `least` metres, deepest first; every so many frames.
 
     A round thing that nobody has counts as filled, and one of a name. ticks: those that are looked at; left out: all.
+    ends: of the names of the links that are looked at.
     """
     kinds = Workspace(workspace)
     skin, solids, world = Skin.read(kinds.humans.shape(human).glb), Solids(kinds), World()
+    looked = np.array([LINKS[link].endswith(ends) for link in skin.link])
+    skin = replace(skin, vertices=skin.vertices[looked], links=skin.links[looked], weights=skin.weights[looked])
     skeleton, found = kinds.humans.get(human).skeleton, list[Met]()
     with Reader(path) as reader:
         for tick in ticks or range(0, len(reader), every):

@@ -33,6 +33,7 @@ FASTEST_ARM = 7.0  # degrees that one of these turns in a frame
 # Metres: skin that gives way where a hand holds and where one sits; no limb is deeper in anything than THROUGH, no leg
 # or foot than LEGS.
 TOUCHES, SITS, THROUGH, LEGS = 0.008, 0.010, 0.008, 0.004
+LEG = ("_leg", "foot")  # how the names of a leg's links end
 COMES = 0.002  # metres: no palm and no finger is deeper in the cup, taken as filled, before the hand has it
 CARRIES = 0.002  # metres: the arm that takes and holds the cup is no deeper in anything but the cup
 BESIDE_IT = (101, 103, 138)  # seeds whose walker passes a corner of the table as the hand sets out
@@ -124,23 +125,22 @@ def the_cup_is_carried_level(scenario: Scenario) -> None:
 def nothing_is_gone_through(scenario: Scenario, workspace: Path = ROOT, every: int = 4) -> None:
     """Hands touch what they hold, thighs what they sit on; nothing else is in anything.
 
-    Every so many frames, and every one of a hand's way to what it takes: a fingertip is through an edge in one.
+    Every so many frames, and every one of a hand's way to what it takes and of legs: a fingertip is through an edge in
+    one, and a foot that swings through a corner.
     """
-    legs, rest, trunk = list[Met](), list[Met](), list[Met]()
+    rest, trunk = list[Met](), list[Met]()
     carrying = ("right_", "left_")[scenario.side]
     reaches = range(scenario.caught - REACHES, scenario.caught)
     for one in met(scenario.path, scenario.human, workspace, 1, CARRIES, reaches):
         assert one.thing == scenario.cup or not one.link.startswith(carrying), one
     for one in met(scenario.path, scenario.human, workspace, every, CARRIES):
         if one.frame > scenario.caught and one.thing != scenario.cup:
-            assert one.link.endswith(("_leg", "foot")) or not one.link.startswith(carrying), one
-        if one.link.endswith("upper_leg") and one.thing.endswith("chair"):
-            assert one.depth < SITS, one
-        elif one.link.endswith(("_leg", "foot")):
-            legs.append(one)
-        else:
+            assert one.link.endswith(LEG) or not one.link.startswith(carrying), one
+        if not one.link.endswith(LEG):
             (rest if one.link.startswith(("left_", "right_")) else trunk).append(one)
-    assert not legs or legs[0].depth < LEGS, legs[:5]
+    for one in met(scenario.path, scenario.human, workspace, 1, CARRIES, ends=LEG):
+        sits = one.link.endswith("upper_leg") and one.thing.endswith("chair")
+        assert one.depth < (SITS if sits else LEGS), one
     assert not rest or rest[0].depth < THROUGH, rest[:5]
     assert not trunk or trunk[0].depth < TOUCHES, trunk[:5]
 

@@ -22,6 +22,19 @@ from . import measures as m
 
 TABLE = np.array([[0.27, -0.6], [1.27, -0.6], [1.27, 0.6], [0.27, 0.6]])  # its edge is before who stands at the origin
 FAR = TABLE + np.array([0.0, 4.0])
+CHAIR = np.array([
+    [2.388, 0.037], [2.375, 0.039], [2.375, 0.361], [2.388, 0.362], [2.388, 0.397], [2.345, 0.402], [2.345, 0.415],
+    [1.905, 0.415], [1.905, -0.015], [2.345, -0.015], [2.345, -0.002], [2.388, 0.002],
+])  # fmt: skip
+BEFORE_IT = np.array([
+    [0.788, -0.562], [0.825, -0.545], [1.494, 0.016], [1.515, 0.043], [1.52, 0.077], [1.503, 0.114], [0.813, 0.936],
+    [0.786, 0.957], [0.752, 0.962], [0.715, 0.945], [0.046, 0.384], [0.025, 0.357], [0.02, 0.323], [0.037, 0.286],
+    [0.727, -0.536], [0.754, -0.557],
+])  # fmt: skip
+BEYOND = np.array([
+    [2.015, 2.028], [1.675, 1.799], [1.684, 1.786], [1.679, 1.783], [2.204, 1.004], [2.209, 1.007], [2.218, 0.994],
+    [2.558, 1.224],
+])  # fmt: skip
 _LEFT_ARM = [INDEX[f"left_{link}"] for link in ("upper_arm", "lower_arm", "hand")]
 GOALS = [
     (-0.2, 1.8, 90.0), (1.9, 0.2, 0.0), (-1.5, -0.3, 180.0), (-0.3, -2.0, -60.0), (0.0, 0.0, 120.0), (0.1, 1.8, -90.0),
@@ -67,6 +80,22 @@ def test_who_sets_out_beside_a_table_shifts_no_weight_into_it(name: str, foot: f
     places, _ = forward(rotations, root, skeleton.offsets)
     hips = places[:, [INDEX["right_upper_leg"], INDEX["left_upper_leg"]]]
     assert (TABLE[0, 0] - hips[..., 0]).min() > 0.105, "metres: a thigh is so thick"
+
+
+@pytest.mark.parametrize("name", ["ken", "aiko"])
+@pytest.mark.parametrize(
+    ("other", "top", "start", "goal"),
+    [
+        (BEFORE_IT, 0.88, (0.3, 1.6, 151.71), (1.78, 0.2, 180.0)),  # a table's corner, 0.39 m from the seat
+        (BEYOND, 1.11, (2.78, 0.25, 0.0), (1.51967, 1.10856, 34.0)),  # past the back, a television on the other side
+    ],
+)
+def test_who_is_moved_off_one_thing_is_not_in_the_next(
+    name: str, other: Array, top: float, start: tuple[float, float, float], goal: tuple[float, float, float]
+) -> None:
+    made = walked([CHAIR, other], goal, name, [0.86, top], start)
+    assert nearest(name, *made, CHAIR) > 0.02, "metres: a heel is as thick, and all else more"
+    assert nearest(name, *made, other) > 0.02
 
 
 def test_some_of_these_legs_would_be_in_it() -> None:
