@@ -46,7 +46,8 @@ def corridor(arcs: Array, start: float, steps: Sequence[float]) -> list[Gate]:
     gates = [min(reached[-1], key=lambda gate: _distance(gate, start))]
     for parts, step in zip(reversed(reached[:-1]), reversed(steps[1 : len(reached)]), strict=True):
         low, high = gates[-1][0] - step, gates[-1][1] + step
-        leading = [(max(low, a), min(high, b)) for a, b in parts if a <= high and b >= low]
+        near = [(a, b) for a, b in parts if a <= high + _INSIDE and b >= low - _INSIDE]  # rounding parts what touches
+        leading = [(max(low, min(a, high)), min(high, max(b, low))) for a, b in near]
         gates.append(min(leading, key=lambda gate: _distance(gate, start)))
     gates.reverse()
     # A gate that two branches led to is reached from the one that was taken only in part.

@@ -18,7 +18,7 @@ class Parameter(msgspec.Struct, frozen=True):
     """One parameter: its type (float, int, bool, str, floats), default and range; no default: it must be given.
 
     bounds: the name of the parameter that names the object's state in whose range this one is to be, where the object
-    has such a state; only its default may be outside.
+    has such a state; its default, which is no place in it, may be outside, and is not to be typed.
     """
 
     type: str
@@ -86,7 +86,7 @@ def within(
         if parameter.bounds in declared:
             state = states.get(str(given.get(parameter.bounds, declared[parameter.bounds].default)))
             if state is not None and state.is_number:
-                out[name] = msgspec.structs.replace(parameter, minimum=state.low, maximum=state.high)
+                out[name] = msgspec.structs.replace(parameter, minimum=state.low, maximum=state.high, bounds="")
     return out
 
 

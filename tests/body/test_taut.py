@@ -55,6 +55,19 @@ def test_no_way_at_uneven_paces_has_smaller_steps_over_them(seed, n):
     assert energy(string) <= best.fun + 1e-6
 
 
+def test_an_arc_of_one_place_just_a_step_away_is_come_to():
+    """Rounding parted the two: the way back to the frame before was then none."""
+    rng = np.random.default_rng(1)
+    for at, far in rng.uniform((-3.0, 0.01), (3.0, 0.3), (4000, 2)).tolist():
+        begin = np.nextafter(at + far, 9.0)  # a step away, and a rounding more
+        gates = corridor(arcs_of([(begin - 1e-10, begin + 0.5)], [(at, at)]), begin + 0.1, far + 0.2)
+        assert len(gates) == 2
+        gates = corridor(arcs_of([(begin - 1e-10, begin + 0.5)], [(at, at)]), begin + 0.5 * far, far)
+        if len(gates) == 2:
+            assert gates[0][0] <= gates[0][1]
+            assert abs(gates[0][0] - gates[1][0]) <= far + 1e-9
+
+
 def test_a_corridor_widens_by_the_step_of_each_frame():
     arcs = arcs_of(*[[(-np.pi, np.pi)]] * 3)
     gates = taut.corridor(arcs, 0.0, [0.1, 0.2, 0.4])
