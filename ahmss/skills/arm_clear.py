@@ -23,6 +23,7 @@ from ahmss.skills.box import filled
 __all__ = ["beyond", "refuse_sunk", "standing_about", "sunk_at", "sunk_in"]
 
 _EVERY = 2  # frames that are looked at
+_STANDS_BEFORE = 0.9  # metres from a thing, of who may take the place from which another could do it
 _LARGE = 0.25  # metres across, or high: what is smaller is a control, or as one
 _SLACK = 0.003  # metres by which balls of fingers may be thicker than their skin
 _AT_ONCE = 24  # palms, about, that are looked at
@@ -79,11 +80,25 @@ def refuse_sunk(task: HumanTask, plan: Plan, rotations: Array, root: Array) -> N
     deep, name = sunk_in(task, plan.reacher.side, rotations, root)
     if deep > SUNK:
         assert task.object is not None
+        arm = f"the {plan.reacher.side} arm would be {1000.0 * deep:.0f} mm in {name} however it comes to"
+        if others := _before(task, task.object):
+            raise AlgorithmError(
+                f"{arm} {task.object.name} from where there is room beside {others[0].name}; do it when they have gone"
+            )
         raise AlgorithmError(
-            f"the {plan.reacher.side} arm would be {1000.0 * deep:.0f} mm in {name} however it comes to "
-            f"{task.object.name}, which is too high up, or too far in, for who is {task.human.stature:.2f} m tall; "
-            "have somebody taller do it, or move it nearer to an edge"
+            f"{arm} {task.object.name}, which is too high up, or too far in, for who is {task.human.stature:.2f} m "
+            "tall; have somebody taller do it, or move it nearer to an edge"
         )
+
+
+def _before(task: HumanTask, thing: WorldObject) -> list[WorldObject]:
+    """The others who stand before a thing, the nearest first."""
+    far = {
+        other.id: float(np.linalg.norm((other.place - thing.place)[:2]))
+        for other in task.world.values()
+        if other.kind == "human"
+    }
+    return sorted((task.world[number] for number in far if far[number] < _STANDS_BEFORE), key=lambda one: far[one.id])
 
 
 def _things(task: HumanTask) -> Iterator[tuple[WorldObject, list[Prism]]]:

@@ -24,7 +24,7 @@ from ahmss.reaching.reacher import Reacher
 from ahmss.skills.arm_clear import beyond, refuse_sunk, standing_about, sunk_at, sunk_in
 from ahmss.skills.controls import in_the_way as before_it
 from ahmss.skills.controls import stood_before
-from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.elbow_room import awaited, crowding, refuse_head_in
 from ahmss.skills.elsewhere import or_elsewhere
 from ahmss.skills.off_target import off_target
 from ahmss.skills.out_of_reach import EXACT, refuse_short
@@ -78,8 +78,8 @@ def by_fingertip(
     task, gaze = yield from stood_before(task, touching.goal, before_it(task), gaze)
 
     def attempt(
-        task: HumanTask, gaze: Looking, _: tuple[Plan, Performed] | None, __: float
-    ) -> Generator[Array, None, tuple[Plan, Performed]]:
+        task: HumanTask, gaze: Looking, _: tuple[Plan, Performed, float] | None, __: float
+    ) -> Generator[Array, None, tuple[Plan, Performed, float]]:
         def touches(plan: Plan, made: Performed) -> float:
             deep, _ = sunk_in(task, plan.reacher.side, made.rotations, made.root)
             amiss = max(touching.missed(task, plan, made) - EXACT, 0.0) + beyond(deep)
@@ -92,15 +92,20 @@ def by_fingertip(
         )  # fmt: skip
         refuse_sunk(task, plan, made.rotations, made.root)
         refuse_short(task, plan, touching.missed(task, plan, made))
-        return plan, made
+        return plan, made, crowding(task, made, plan.reacher.side)
 
     plates = standing_about(task)
 
     def worth(reaching: Reaching) -> float:
         return _ease(reaching, touching, plates)
 
-    task, gaze, (plan, made) = yield from or_elsewhere(task, gaze, attempt, worth, lambda _: 0.0)
-    if (yield from awaited(task, made, plan.reacher.side, gaze)) and made.looked < 1.0:
+    def crowds(worked: tuple[Plan, Performed, float]) -> float:
+        return worked[2]
+
+    task, gaze, (plan, made, _) = yield from or_elsewhere(task, gaze, attempt, worth, crowds, crowds)
+    waited = yield from awaited(task, made, plan.reacher.side, gaze)
+    refuse_head_in(task, made)
+    if waited and made.looked < 1.0:
         made = yield from touching.perform(task, plan, gaze)  # the eyes have gone on
     refuse_short(task, plan, touching.missed(task, plan, made))
     return task, plan, made

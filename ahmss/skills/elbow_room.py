@@ -16,12 +16,14 @@ from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
+from ahmss.body.quaternion import rotate
+from ahmss.errors import AlgorithmError
 from ahmss.reaching.performing import Performed
 from ahmss.reaching.reacher import Reacher
 from ahmss.reaching.skin import skin_of
 from ahmss.skills.reaching import Looking
 
-__all__ = ["awaited", "crowding", "others_near"]
+__all__ = ["awaited", "crowding", "others_near", "refuse_head_in"]
 
 _AIR = 0.02  # metres that are kept between an arm and another human
 _SPARSE = 3  # every so many frames of a way are looked at
@@ -34,6 +36,8 @@ _ARM = ("shoulder", "elbow", "hand", "fingers")
 _THICK = np.array([0.05, 0.042, 0.03])  # metres, around upper arm, forearm, hand
 _TRUNK, _LOW = 0.13, 0.85  # metres: its radius, and from which height on it may be met
 _ALONG = np.array([0.25, 0.5, 0.75, 1.0])[:, None]  # of the own upper arm
+_HEAD, _CROWN = INDEX["head"], np.array([0.09, 0.0, 0.0])  # metres up in the head, to its middle
+_HEAD_THICK, _HEAD_GIVES = 0.1, 0.015  # metres; that it may be in somebody, as it is no ball
 
 
 def others_near(task: HumanTask) -> list[WorldObject]:
@@ -47,6 +51,22 @@ def crowding(task: HumanTask, made: Performed, side: str) -> float:
         return 0.0
     own = _own(task, side, made.rotations[::_SPARSE], made.root[::_SPARSE])
     return max(0.0, *(_nearest(own, _segments(task, other)) for other in others_near(task)))
+
+
+def refuse_head_in(task: HumanTask, made: Performed) -> None:
+    """Refuse a way on which one's head would be in somebody who stands beside.
+
+    Raises:
+        AlgorithmError: it would; says by how much, in whom, and what to do.
+    """
+    points, radii = _head(task, made.rotations[::_SPARSE], made.root[::_SPARSE])
+    for other in others_near(task):
+        deep = _nearest((points, radii), _segments(task, other)) - _AIR
+        if deep > _HEAD_GIVES:
+            raise AlgorithmError(
+                f"the head would be {1000.0 * deep:.0f} mm in {other.name}, who stands where one leans to; do it "
+                "when they have gone"
+            )
 
 
 def awaited(task: HumanTask, made: Performed, side: str, gaze: Looking) -> Generator[Array, None, bool]:
@@ -126,12 +146,24 @@ def _nearest(own: tuple[Array, Array], other: tuple[Array, Array, Array]) -> flo
 
 
 def _own(task: HumanTask, side: str, rotations: Array, root: Array) -> tuple[Array, Array]:
-    """Points (n, m, 3) of the own arm in poses (n, 43, 4), (n, 3), from under the shoulder on, and radii (m,)."""
+    """Points (n, m, 3) of the own head, and of the arm from under the shoulder on, in poses (n, 43, 4), (n, 3); radii.
+
+    Who leans over to what is far aside brings the head there, too.
+    """
     skin, radii = skin_of(Reacher.of(task.human, side), rotations, root)
     places, _ = forward(rotations, root, task.human.offsets)
     upper, lower = places[:, INDEX[f"{side}_upper_arm"]], places[:, INDEX[f"{side}_lower_arm"]]
     points = upper[:, None] + _ALONG * (lower - upper)[:, None]
-    return np.concatenate([points, skin], axis=1), np.concatenate([np.full(len(_ALONG), _THICK[0]), radii])
+    head, thick = _head(task, rotations, root)
+    thick = np.concatenate([thick, np.full(len(_ALONG), _THICK[0]), radii])
+    return np.concatenate([head, points, skin], axis=1), thick
+
+
+def _head(task: HumanTask, rotations: Array, root: Array) -> tuple[Array, Array]:
+    """The middle (n, 1, 3) of the own head in poses (n, 43, 4), (n, 3), and its radius (1,)."""
+    places, turned = forward(rotations, root, task.human.offsets)
+    head = places[:, _HEAD] + rotate(turned[:, _HEAD], _CROWN)
+    return head[:, None], np.array([_HEAD_THICK])
 
 
 def _segments(task: HumanTask, other: WorldObject) -> tuple[Array, Array, Array]:

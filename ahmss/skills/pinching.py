@@ -29,7 +29,7 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.box import Box
 from ahmss.skills.clearing import KEEPS, WITHIN, gap_of, refuse_touching
 from ahmss.skills.controls import beside, in_the_way, is_control, stood_before
-from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.elbow_room import awaited, crowding, refuse_head_in
 from ahmss.skills.elsewhere import or_elsewhere
 from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.in_part import InPart
@@ -126,6 +126,7 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         task, gaze, attempt, worth, lambda worked: worked[0].flaw, amiss
     )
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
+    refuse_head_in(task, best.made)
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
         _refuse(task, best)

@@ -14,12 +14,13 @@ from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
+from ahmss.errors import AlgorithmError
 from ahmss.main.body_parts import Body as Shown
 from ahmss.main.body_parts import Parts
 from ahmss.main.company import site_number
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
-from ahmss.skills.elbow_room import awaited, crowding
+from ahmss.skills.elbow_room import awaited, crowding, refuse_head_in
 from ahmss.skills.reaching import Looking
 from tests.algorithms.devices import acting, at, before, begun, device, tips
 from tests.algorithms.scene import WORKSPACE, Body, program
@@ -28,6 +29,7 @@ from tests.demo.recorded import Recorded
 ROOT = Path(__file__).resolve().parents[2]
 SITES = WORKSPACE.objects.get("human").sites
 ARM, LEFT = INDEX["right_upper_arm"], INDEX["left_upper_arm"]
+SPINE = INDEX["spine"]
 NAMES = list(SITES)
 HAND = NAMES.index("right_hand")
 SCRIPT = """
@@ -104,6 +106,40 @@ def test_nobody_waits_for_an_arm_that_is_not_in_the_way() -> None:
     task = HumanTask(begun(body, None, "", {}, world=[beside(Body("ken", -1.2, 0.0, 0.0))]))
     assert not list(awaited(task, raised(body), "right", Looking(task, np.array([1.0, 0.0, 1.2]))))  # type: ignore[arg-type]
     assert task.notes == []
+
+
+def test_nobody_leans_the_head_into_who_stands_beside() -> None:
+    """It was 50 mm in an upper arm for two seconds, and nothing was said."""
+    body = Body("aiko", 0.0, 0.0, 0.0)
+    made = raised(body)
+    turned = np.linspace(0.0, 0.7, len(made.root))
+    made.rotations[:, SPINE] = multiply(
+        np.stack([np.cos(0.5 * turned), 0.0 * turned, 0.0 * turned, -np.sin(0.5 * turned)], axis=-1),
+        made.rotations[:, SPINE],
+    )
+    heads = forward(made.rotations[[0, -1]], made.root[[0, -1]], body.skeleton.offsets)[0][:, INDEX["head"]]
+    way = (heads[1] - heads[0])[:2]
+    assert np.linalg.norm(way) > 0.15
+    for far, raises in ((0.0, True), (0.7, False)):
+        x, y = (heads[1][:2] + (far + 0.05) * way / np.linalg.norm(way)).tolist()
+        task = HumanTask(begun(body, None, "", {}, world=[beside(Body("ken", x, y, 0.0))]))
+        if raises:
+            with pytest.raises(AlgorithmError, match=r"the head would be \d+ mm in ken, who stands where one leans to"):
+                refuse_head_in(task, made)  # type: ignore[arg-type]
+        else:
+            refuse_head_in(task, made)  # type: ignore[arg-type]
+
+
+@pytest.mark.long
+def test_where_somebody_stands_in_the_place_that_is_why_a_lever_can_not_be_slid(tmp_path: Path) -> None:
+    """It was said that somebody taller could."""
+    (tmp_path / "script.txt").write_text(
+        "add control_room\nhuman aiko body aiko at 1.10 0.19 facing 0\nhuman ken body ken at 1.22 -0.47 facing 0\n"
+        "ken: do panel/lever_4 slide level=0.5\n"
+    )
+    report = play_script(tmp_path / "script.txt", PlaySetup(workspace=str(ROOT), fast=True))
+    (message,) = (message for main in report.mains for message in main["messages"])
+    assert message.endswith("from where there is room beside aiko; do it when they have gone")
 
 
 @pytest.mark.long
