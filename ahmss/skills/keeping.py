@@ -42,9 +42,13 @@ _PARTED, _AS_TOLD, _TIMES = 0.1, 0.03, 15
 _ROOT, _ROTATIONS, _IMPORTANCE, _WAY = slice(1, 4), slice(4, 176), 176, 260  # of a POSE
 
 
-def kept_clear(task: HumanTask, made: Iterator[Array]) -> Iterator[Array]:
-    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them."""
-    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side) for side in task.busy]
+def kept_clear(task: HumanTask, made: Iterator[Array], *, narrow: bool = False) -> Iterator[Array]:
+    """The frames (n, 260) or (n, 272) of a motion, arms whose hands hold something kept out of things with them.
+
+    narrow: it takes the body through what leaves an arm no room, as a doorway: one that is led goes aside as well.
+    """
+    led = () if narrow else task.led
+    arms = [_Held(task, *task.busy)] if task.between else [_Held(task, side, led=side in led) for side in task.busy]
     if not arms:
         yield from made
         return
@@ -76,15 +80,14 @@ def _soon(task: HumanTask, row: Array) -> Array | None:
 class _Held:
     """The arm whose hand holds something, or both arms that hold one thing between them: they go aside together.
 
-    One that is led is another motion's, until it is seen to be as it is told.
+    led: it is another motion's, until it is seen to be as it is told.
     """
 
-    def __init__(self, task: HumanTask, *sides: str) -> None:
+    def __init__(self, task: HumanTask, *sides: str, led: bool = False) -> None:
         self._reachers = [Reacher.of(task.human, side) for side in sides]
         self._aside, self._things = Aside(task.rate), Things(task)
         self._held, self._thick = points_of(task, sides[0], task.in_hand(sides[0]))
-        self._led = len(sides) == 1 and sides[0] in task.led
-        self._parted, self._as_told = False, 0
+        self._led, self._parted, self._as_told = led, False, 0
         self._along: Array | None = None  # the way of the body
         self._last: Array | None = None  # where its points were at the frame before
         self._task, self._given = task, [task.start.rotations[reacher.links].copy() for reacher in self._reachers]

@@ -65,7 +65,7 @@ def swing(task: HumanTask) -> Iterator[Array]:
 
     What the other hand holds is kept out of frame and leaf.
     """
-    return kept_clear(task, _swing(task))
+    return kept_clear(task, _swing(task), narrow=True)
 
 
 def _swing(task: HumanTask) -> Iterator[Array]:

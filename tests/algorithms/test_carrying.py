@@ -276,6 +276,17 @@ def test_a_hand_that_is_led_no_more_is_kept_clear_again() -> None:
     assert in_the_sink(task, rows[300:]) < -0.01
 
 
+@pytest.mark.parametrize("narrow", [False, True])
+def test_a_hand_that_is_led_is_kept_clear_all_the_same_where_there_is_no_room_for_it(narrow: bool) -> None:
+    """As it is by who goes through a door with a cup: who carries it does not see the frame, hand and cup were in it."""
+    task, held, hanging = over_the_sink("right", CLOSE)
+    task = HumanTask(msgspec.structs.replace(task.message, led=["right"]))
+    task.start = task.present = held
+    rows = led(task, kept_clear(task, iter(np.split(going_off(hanging, 260), 4)), narrow=narrow), 10**6)
+    cares = rows[:, 176 + Reacher.of(task.human, "right").links.start].max()
+    assert cares > 100.0 if narrow else cares < 1.0
+
+
 def carried(leans: float, *, beside: bool) -> tuple[Body, list[np.ndarray], list[np.ndarray]]:
     """How arm (3, 4) and importance (44,) go while a cup is carried by one who leans so far, radians, at the sink."""
     body = Body(x=2.8 if beside else 1.5, y=0.25, facing=0.0)
