@@ -278,7 +278,7 @@ def test_a_hand_that_is_led_no_more_is_kept_clear_again() -> None:
 
 @pytest.mark.parametrize("narrow", [False, True])
 def test_a_hand_that_is_led_is_kept_clear_all_the_same_where_there_is_no_room_for_it(narrow: bool) -> None:
-    """As it is by who goes through a door with a cup: who carries it does not see the frame, hand and cup were in it."""
+    """As it is by who goes through a door with a cup: hand and cup were in the frame else."""
     task, held, hanging = over_the_sink("right", CLOSE)
     task = HumanTask(msgspec.structs.replace(task.message, led=["right"]))
     task.start = task.present = held
