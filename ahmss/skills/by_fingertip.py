@@ -78,8 +78,8 @@ def by_fingertip(
     task, gaze = yield from stood_before(task, touching.goal, before_it(task), gaze)
 
     def attempt(
-        task: HumanTask, gaze: Looking, _: tuple[Plan, Performed, float] | None, __: float
-    ) -> Generator[Array, None, tuple[Plan, Performed, float]]:
+        task: HumanTask, gaze: Looking, _: tuple[Plan, Performed] | None, __: float
+    ) -> Generator[Array, None, tuple[Plan, Performed]]:
         def touches(plan: Plan, made: Performed) -> float:
             deep, _ = sunk_in(task, plan.reacher.side, made.rotations, made.root)
             amiss = max(touching.missed(task, plan, made) - EXACT, 0.0) + beyond(deep)
@@ -92,17 +92,14 @@ def by_fingertip(
         )  # fmt: skip
         refuse_sunk(task, plan, made.rotations, made.root)
         refuse_short(task, plan, touching.missed(task, plan, made))
-        return plan, made, crowding(task, made, plan.reacher.side)
+        return plan, made
 
     plates = standing_about(task)
 
     def worth(reaching: Reaching) -> float:
         return _ease(reaching, touching, plates)
 
-    def crowds(worked: tuple[Plan, Performed, float]) -> float:
-        return worked[2]
-
-    task, gaze, (plan, made, _) = yield from or_elsewhere(task, gaze, attempt, worth, crowds, crowds)
+    task, gaze, (plan, made) = yield from or_elsewhere(task, gaze, attempt, worth, lambda _: 0.0)
     waited = yield from awaited(task, made, plan.reacher.side, gaze)
     refuse_head_in(task, made)
     if waited and made.looked < 1.0:

@@ -146,17 +146,12 @@ def _nearest(own: tuple[Array, Array], other: tuple[Array, Array, Array]) -> flo
 
 
 def _own(task: HumanTask, side: str, rotations: Array, root: Array) -> tuple[Array, Array]:
-    """Points (n, m, 3) of the own head, and of the arm from under the shoulder on, in poses (n, 43, 4), (n, 3); radii.
-
-    Who leans over to what is far aside brings the head there, too.
-    """
+    """Points (n, m, 3) of the own arm in poses (n, 43, 4), (n, 3), from under the shoulder on, and radii (m,)."""
     skin, radii = skin_of(Reacher.of(task.human, side), rotations, root)
     places, _ = forward(rotations, root, task.human.offsets)
     upper, lower = places[:, INDEX[f"{side}_upper_arm"]], places[:, INDEX[f"{side}_lower_arm"]]
     points = upper[:, None] + _ALONG * (lower - upper)[:, None]
-    head, thick = _head(task, rotations, root)
-    thick = np.concatenate([thick, np.full(len(_ALONG), _THICK[0]), radii])
-    return np.concatenate([head, points, skin], axis=1), thick
+    return np.concatenate([points, skin], axis=1), np.concatenate([np.full(len(_ALONG), _THICK[0]), radii])
 
 
 def _head(task: HumanTask, rotations: Array, root: Array) -> tuple[Array, Array]:

@@ -129,7 +129,7 @@ class Operator:
         try:
             client.do(thing, action, parameters=parameters).wait(120.0)
         except (PortRefused, ActionFailed) as error:
-            if re.search(r"holds it; wait|is held by|waited|stands in the way", str(error)):
+            if re.search(r"holds it; wait|is held by|waited|stands in the way|when they have gone", str(error)):
                 self.yielded += 1
             else:
                 self.wrong.append(f"{self.name} {thing} {action}: {error}")
