@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -67,11 +68,12 @@ def what_sets(workspace: Workspace, objects: Mapping[str, ObjectRecord], name: s
     """The state of an object that a word names, or a value of which, and the action of another object, as it is typed
     after `do`, that changes it; ("", "")."""
     wiring = _Wiring(workspace, objects)
-    for state, declared in wiring.behaviour(name).states.items():
-        others = [value for value in declared.values if value != objects[name].states.get(state)]
-        wanted = others if get_close_matches(word, [state]) else get_close_matches(word, others)
-        for typed in (typed for value in wanted for typed in wiring.bringing(name, Clause(state, "==", value))):
-            return state, typed
+    with suppress(AhmssError):  # a broken file is told to who uses its kind
+        for state, declared in wiring.behaviour(name).states.items():
+            others = [value for value in declared.values if value != objects[name].states.get(state)]
+            wanted = others if get_close_matches(word, [state]) else get_close_matches(word, others)
+            for typed in (typed for value in wanted for typed in wiring.bringing(name, Clause(state, "==", value))):
+                return state, typed
     return "", ""
 
 

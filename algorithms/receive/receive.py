@@ -47,6 +47,7 @@ MOVED, TRIES = 0.04, 3  # metres that it may have moved while the hand came to i
 ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist needs it
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
 OPPOSITE = np.radians([75.0, 105.0, 135.0])  # how far from straight opposite the giver's palm the own one may come
+AS_OPPOSITE = 0.3  # of a cosine: what is opposite by less so, where a thing can be taken from one side only
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 CLOSES, DRAWS = 0.45, 0.9  # seconds
 GONE, LETS_GO = 0.075, 1.0  # metres by which the giver's opened hand has gone back; seconds that one waits for it
@@ -98,13 +99,12 @@ def _easiest(task: HumanTask, goals: Iterator[Goal], gaze: Looking, reaching: Re
     for goal in goals:
         try:
             plan = yield from planned(task, reaching, goal, gaze, prisms_of(task))
+            if best is None or plan.arm.found or plan.arm.cost < best.arm.cost:
+                best = plan
+            if plan.arm.found:
+                break
         except AlgorithmError as error:
             refused = error
-            continue
-        if best is None or plan.arm.found or plan.arm.cost < best.arm.cost:
-            best = plan
-        if plan.arm.found:
-            break
         yield gaze.alone()
     if best is None:
         assert refused is not None
@@ -177,10 +177,8 @@ def _about(task: HumanTask, whom: WorldObject, side: str, goal: Goal) -> Iterato
         return
     theirs = whom.site(_giving(task, whom), task.start.root)
     apart = rotate(palms[:, 3:], X)[:, :2] @ rotate(theirs.rotation, X)[:2]
-    for opposite in OPPOSITE:
-        chosen = palms[apart < -np.cos(opposite)]
-        if len(chosen):
-            yield Goal(goal.place, palms={side: chosen})
+    for opposite in np.maximum(-np.cos(OPPOSITE), apart.min() + AS_OPPOSITE):
+        yield Goal(goal.place, palms={side: palms[apart < opposite]})
 
 
 def _opened(side: str) -> tuple[list[int], Array]:

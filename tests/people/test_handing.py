@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from ahmss.algorithm import Transform
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import conjugate, multiply, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
+from ahmss.reaching.goal import Goal
+from tests.algorithms.scene import Body, module
 from tests.demo.recorded import Recorded
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -104,6 +108,20 @@ def test_no_finger_is_ever_in_it(given: tuple[Recorded, Recorded, str], who: str
     seen = rotate(conjugate(cup.rotation)[:, None], tips - cup.place[:, None])
     within = (seen[..., 2] > 0.0) & (seen[..., 2] < HIGH)
     assert np.linalg.norm(seen[..., :2], axis=-1)[within].min() > RADIUS
+
+
+def test_what_can_be_taken_from_the_giver_s_own_side_only_is_taken_from_there() -> None:
+    """No palm is opposite theirs: then the one that is so least badly, rather than none."""
+    body, place = Body("aiko"), np.array([0.4, 0.0, 1.0])
+    turns = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.3]))
+    palms = np.concatenate([np.tile(place, (2, 1)), turns], axis=1)
+    goal = Goal(place, around=np.array([*place, 1.0, 0.0, 0.0, 0.0]), palms={"right": palms})
+    start = SimpleNamespace(rotations=body.rotations, root=body.root)
+    task = SimpleNamespace(human=body.skeleton, start=start, object=SimpleNamespace(place=place))
+    whom = SimpleNamespace(site=lambda *_: Transform(place, np.array([1.0, 0.0, 0.0, 0.0])))
+    goals = list(module("receive")._about(task, whom, "right", goal))
+    assert all(len(one.palms["right"]) for one in goals)
+    assert len(goals) == 3
 
 
 def test_they_stand_face_to_face_about_an_arm_apart(given: tuple[Recorded, Recorded, str]) -> None:
