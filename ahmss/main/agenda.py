@@ -15,7 +15,7 @@ from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
 from ahmss.main.company import KIND
 from ahmss.main.comparing import Comparison
 from ahmss.main.joined import lasting, refuse_two_carriers, title
-from ahmss.main.naming import find_object
+from ahmss.main.naming import find_object, refuse_another
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest
@@ -202,7 +202,7 @@ class Agenda:
                 raise CommandError(f"another human needs a main of its own; type: ahmss main --human {name}")
 
     def _do(self, line: Do) -> None:
-        self._check_name(line.human)
+        refuse_another(line.human, self._setup.human, self._main.communication.world.humans)
         main = self._main
         actor = main.actor
         orders = main.database.orders(line.acts, main.communication, actor)
@@ -213,7 +213,7 @@ class Agenda:
         self._announced_at = main.report.frames + round(_REFUSED_IN * self._setup.rate)
 
     def _wait(self, line: Wait, step: Step) -> None:
-        self._check_name(line.human)
+        refuse_another(line.human, self._setup.human, self._main.communication.world.humans)
         if not line.object:
             frames = round(line.seconds * self._setup.rate)
             end = self._main.report.frames + frames
@@ -305,10 +305,6 @@ class Agenda:
     def _trouble(self, step: Step, error: AhmssError) -> None:
         self._wrong += 1
         self._main.trouble(f"{step.where}: {error}" if step.where else str(error))
-
-    def _check_name(self, human: str) -> None:
-        if human not in ("", self._setup.human):
-            raise CommandError(f"this main moves {self._setup.human}, not {human}")
 
 
 def _keep_quiet(text: str) -> None:

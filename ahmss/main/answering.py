@@ -24,7 +24,7 @@ from ahmss.main.command import parse
 from ahmss.main.comparing import Comparison
 from ahmss.main.joined import refuse_two_carriers
 from ahmss.main.ledger import OVER, Ledger
-from ahmss.main.naming import find_object
+from ahmss.main.naming import find_object, refuse_another
 from ahmss.main.people import records as people
 from ahmss.main.sight import WAITS, WORKS, Sight, eyes
 from ahmss.main.who_reaches import who_reaches
@@ -174,8 +174,7 @@ class Answering:
         main = self._main
         if not isinstance(line, DoLine):
             raise CommandError("the port takes lines that begin with do, as in: do door open")
-        if line.human not in ("", main.setup.human):
-            raise CommandError(f"this main moves {main.setup.human}, not {line.human}")
+        refuse_another(line.human, main.setup.human, main.communication.world.humans)
         self._check(line)
         waits = len(self.ledger.open)
         return schema.Accepted(asked.request, self.ledger.accept(line, text).number, text, waits)

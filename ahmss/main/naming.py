@@ -1,15 +1,16 @@
-"""Which object is meant by a name."""
+"""Which object, and which human, is meant by a name."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from ahmss.errors import CommandError
 from ahmss.main.company import Everything
 from ahmss.main.description import Scene
 from ahmss.main.suggesting import nearest, some
 
-__all__ = ["find_object"]
+__all__ = ["find_object", "refuse_another"]
 
 _NUMBER = re.compile(r"[-+]?\d*\.?\d+")
 
@@ -34,3 +35,13 @@ def find_object(scene: Scene, name: str) -> str:
     near = nearest(name, scene.objects)
     hint = f"did you mean {near}?" if near else f"there are: {some(scene.objects)}"
     raise CommandError(f'no object "{name}" in the world; {hint}')
+
+
+def refuse_another(named: str, own: str, here: Iterable[str]) -> None:
+    """Refuse a line for somebody else; "" is for one's own human, too.
+
+    Raises:
+        CommandError: it is for another, or for nobody; says who is here.
+    """
+    if named not in ("", own):
+        raise CommandError(f"this main moves {own}, not {named}; humans here: {', '.join(sorted(here))}")

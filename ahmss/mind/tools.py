@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mcp.server.mcpserver import Image, MCPServer
+from mcp.server.mcpserver import Context, Image, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
+from mcp_types import CallToolResult, InputRequiredResult, Tool
 
 from ahmss.client import Client, Handle
+from ahmss.database.document import one_of
 from ahmss.errors import AhmssError, CommandError, NoAnswer, PortRefused
 from ahmss.main.command import Wait, parse
 from ahmss.mind import words
@@ -31,6 +33,7 @@ first, with act(object="floor", action="walk", to="the object's name"). To take 
 first. act waits for the end and tells what came of it. A switch that is pressed twice is off again: see the states \
 before you act."""
 _MOST_S = 300.0
+_NO_OTHERS = {"additionalProperties": False}
 
 
 @dataclass(frozen=True)
@@ -221,14 +224,31 @@ def make_server(mind: Mind) -> MCPServer[Any]:
             me = client.me()
         except NoAnswer as error:
             raise NoAnswer(f"{error}; or let it start a world of its own: ahmss mcp --scene room") from None
-    server: MCPServer[Any] = MCPServer(
-        "ahmss", instructions=f"{_INSTRUCTIONS}\n{words.self_told(me)}", log_level="WARNING"
-    )
+    server = _Server("ahmss", instructions=f"{_INSTRUCTIONS}\n{words.self_told(me)}", log_level="WARNING")
     for tool in (
         mind.where_am_i, mind.list_objects, mind.what_can_i_do, mind.act, mind.do, mind.wait, mind.stop, mind.look,
     ):  # fmt: skip
         server.add_tool(tool, structured_output=False)
     return server
+
+
+class _Server(MCPServer[Any]):
+    """Refuses an argument that a tool does not have: without it, something else would be done than was asked."""
+
+    async def list_tools(self) -> list[Tool]:
+        """All tools; their schemas say that they have no other arguments."""
+        tools = await super().list_tools()
+        return [tool.model_copy(update={"input_schema": tool.input_schema | _NO_OTHERS}) for tool in tools]
+
+    async def call_tool(
+        self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
+    ) -> CallToolResult | InputRequiredResult:
+        """What a tool says. ToolError: it has no such argument; says which it has, or as the tool does."""
+        for known in (tool.input_schema["properties"] for tool in await self.list_tools() if tool.name == name):
+            for argument in arguments:
+                if argument not in known:
+                    raise ToolError(f'{name}: no argument "{argument}"{one_of(argument, known)}')
+        return await super().call_tool(name, arguments, context)
 
 
 def _numbers(text: str) -> tuple[float, ...]:

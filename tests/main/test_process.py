@@ -234,7 +234,7 @@ def test_a_bad_algorithm_costs_one_line_and_disturbs_nothing_else(
         ("do b reach_high", "b reach_high: needs reach 3; ken has 2."),
         ("set b lid ajar", 'line 1: b lid can\'t be "ajar"; allowed: shut, open'),
         ("set b colour red", 'line 1: b has no state "colour"; it has: lid'),
-        ("aiko: do b wave", "line 1: this main moves ken, not aiko"),
+        ("aiko: do b wave", "line 1: this main moves ken, not aiko; humans here: ken"),
         ("add boxes", 'line 1: no kind of object "boxes"'),
         ("remove c", 'line 1: no object "c" in the world'),
         ("human aiko", "line 1: another human needs a main of its own; type: ahmss main --human aiko"),

@@ -25,6 +25,10 @@ def test_every_tool_tells_what_it_does_and_what_each_argument_means(at_the_table
         assert len(tool.description) > 60
         for argument in tool.input_schema["properties"]:
             assert f"{argument}:" in tool.description
+        assert tool.input_schema["additionalProperties"] is False
+        assert f'{tool.name}: no argument "near"' in at_the_table.wrong(tool.name, near="cup")
+    assert '"seen"' in (said := at_the_table.wrong("list_objects", seen=True))
+    assert said.endswith('did you mean "seen_only"?; allowed: seen_only')
     assert "You are ken, 1.76 m tall. You stand at x" in at_the_table.instructions
     assert all(name in at_the_table.instructions for name in ("list_objects", "what_can_i_do", "act"))
 
