@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import msgspec
@@ -19,6 +19,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE, LEFT_FOOT, RIGHT_FOOT
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import align, rotate, slerp
+from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.planting import feet
@@ -130,7 +131,11 @@ def _goal(
 
 
 def _at_side(task: HumanTask, whom: WorldObject, way: Array, apart: tuple[float, float, float]) -> tuple[Array, float]:
-    """The place (2,) beside somebody, at their nearer side where that is free, and which way one faces."""
+    """The place (2,) beside somebody, at their nearer side where that is free, and which way one faces.
+
+    Raises:
+        AlgorithmError: there is no room at either side; says what stands there.
+    """
     heading = 2.0 * float(np.arctan2(whom.rotation[3], whom.rotation[0]))
     left = rotate(whom.rotation, np.array([0.0, 1.0, 0.0]))[:2]
     nearer = -1.0 if float(left @ way) > 0.0 else 1.0
@@ -138,8 +143,14 @@ def _at_side(task: HumanTask, whom: WorldObject, way: Array, apart: tuple[float,
         grid.ravel() for grid in np.meshgrid([nearer, -nearer], _aimed_first(apart), _AT_SIDE, indexing="ij")
     )
     places = _about(whom.place[:2], aways, heading + sides * asides)
-    free = _free(task, whom.place[:2], places)
-    chosen = int(np.argmax(free))  # the first where none is: who goes there says what is in it
+    hinders, names = _hinder(task, whom.place[:2], places)
+    free = np.asarray(~hinders.any(axis=0))
+    if not free.any():
+        there = " and ".join(dict.fromkeys(names[i] for i in np.flatnonzero(hinders.any(axis=1)).tolist()))
+        raise AlgorithmError(
+            f"there is room at neither side of {whom.name}, {there} being there; talk face to face, or move that"
+        )
+    chosen = int(np.argmax(free))
     return places[chosen], heading - float(sides[chosen]) * _HALF_TURNED
 
 
@@ -168,11 +179,18 @@ def _about(whom: Array, aways: Array, angles: Array) -> Array:
 
 def _free(task: HumanTask, whom: Array, places: Array) -> NDArray[np.bool_]:
     """Which places (n, 2) have room for one who stands there, and nothing between them and somebody (2,)."""
-    shapes = Obstacles.of(ground_of(task).outlines, 0.0).shapes[:, None]
-    others = shapes[shapely.distance(shapes[:, 0], shapely.Point(whom)) > 0.0]  # who sits is within a chair
+    return np.asarray(~_hinder(task, whom, places)[0].any(axis=0))
+
+
+def _hinder(task: HumanTask, whom: Array, places: Array) -> tuple[NDArray[np.bool_], Sequence[str]]:
+    """Which things (m) take the room of places (n, 2), or are between these and somebody (2,), (m, n); their names."""
+    ground = ground_of(task)
+    around = Obstacles.of(ground.outlines, 0.0, names=ground.names)
+    shapes = around.shapes[:, None]
+    apart = shapely.distance(shapes[:, 0], shapely.Point(whom)) > 0.0  # who sits is within a chair
     lines = shapely.linestrings(np.stack([np.broadcast_to(whom, places.shape), places], axis=1))
-    free = (shapely.distance(shapes, shapely.points(places)) >= _ROOM).all(axis=0)
-    return np.asarray(free & ~shapely.intersects(others, lines).any(axis=0))
+    between = shapely.intersects(shapes, lines) & apart[:, None]
+    return np.asarray((shapely.distance(shapes, shapely.points(places)) < _ROOM) | between), around.names
 
 
 def _look_first(

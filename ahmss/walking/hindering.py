@@ -10,31 +10,48 @@ import shapely
 from ahmss.body.array import Array
 from ahmss.walking.walkers import Walker
 
-__all__ = ["in_vain", "waits"]
+__all__ = ["TAKEN", "in_vain", "waits"]
 
-_APART = 0.75  # metres from a goal within which somebody is where one is to stand
+TAKEN = 0.53
+"""Metres from a goal within which somebody stands where one is to stand."""
 
-
-def waits(others: Sequence[Walker], place: Array, goal: Array) -> str:
-    """What is told at once of who waits at a place (2,) on the way to a goal (2,)."""
-    name, there = _hindering(others, place, goal)
-    return f"waits for {name}, who is " + (f"where one is to stand ({_spoken(goal)})" if there else "in the way")
+_CLOSE = 0.8  # metres from it within which they are too near for one to stand there
 
 
-def in_vain(others: Sequence[Walker], place: Array, goal: Array) -> str:
-    """What is said of who has waited at a place (2,) on the way to a goal (2,) in vain, and what to do."""
-    name, there = _hindering(others, place, goal)
+def waits(others: Sequence[Walker], way: Array, goal: Array) -> str:
+    """What is told at once of who waits on a way (n, 2) round things to a goal (2,)."""
+    other, there = _hindering(others, way, goal)
+    return f"waits for {_name(other)}, who is {there or 'in the way'}"
+
+
+def in_vain(others: Sequence[Walker], way: Array, goal: Array) -> str:
+    """What is said of who has waited on a way (n, 2) round things to a goal (2,) in vain, and what to do."""
+    other, there = _hindering(others, way, goal)
     if there:
-        return f"{name} stands in the way, where one is to stand ({_spoken(goal)}), and does not go; ask them to move"
-    return f"{name} stands in the way and does not go; take another way, or ask them to move"
+        return f"{_name(other)} stands in the way, {there}, and does not go; ask them to move"
+    return f"{_name(other)} stands in the way and does not go; take another way, or ask them to move"
 
 
-def _hindering(others: Sequence[Walker], place: Array, goal: Array) -> tuple[str, bool]:
-    """Who is waited for: who stands at the goal, else who is nearest to the way; whether they are at the goal."""
-    there = [other for other in others if np.linalg.norm(other.place - goal) < _APART]
-    line = shapely.LineString(np.stack([place, goal]))
-    near = sorted(there or others, key=lambda other: float(line.distance(shapely.Point(other.place))))
-    return (near[0].name if near else "") or "somebody", bool(there)
+def _hindering(others: Sequence[Walker], way: Array, goal: Array) -> tuple[Walker | None, str]:
+    """Who is waited for: who is at the goal, else who is, or comes, nearest to the way; how they are at the goal."""
+    line = shapely.LineString(way if len(way) > 1 else np.repeat(way, 2, axis=0))
+    if not others:
+        return None, ""
+    off = [float(np.linalg.norm(other.place - goal)) for other in others]
+    nearest = int(np.argmin(off))
+    if off[nearest] < _CLOSE:
+        beside = "" if off[nearest] < TAKEN else "too near to "
+        return others[nearest], f"{beside}where one is to stand ({_spoken(goal)})"
+    return min(others, key=lambda other: float(line.distance(_goes(other)))), ""
+
+
+def _goes(other: Walker) -> shapely.Geometry:
+    """Where somebody is, and where they tell that they go."""
+    return shapely.Point(other.place) if other.way is None else shapely.LineString(np.vstack([other.place, other.way]))
+
+
+def _name(other: Walker | None) -> str:
+    return (other.name if other is not None else "") or "somebody"
 
 
 def _spoken(place: Array) -> str:

@@ -14,6 +14,7 @@ from ahmss.body.array import Array
 from ahmss.body.skeleton import Skeleton
 from ahmss.motion.way import AHEAD
 from ahmss.walking.course import Course, NoWay, plan
+from ahmss.walking.hindering import TAKEN
 from ahmss.walking.journey import SPOT, Footing, Journey, Standing, journey
 from ahmss.walking.library import RATE, Library
 from ahmss.walking.makingway import held_up, least, met
@@ -255,8 +256,7 @@ class Planner:
 
     def taken(self, others: Sequence[Walker]) -> bool:
         """Whether somebody who goes nowhere stands so near to the goal that one can't stand there."""
-        apart = _APART - IMPATIENT - 0.07
-        return any(o.way is None and o.stays and np.linalg.norm(o.place - self.goal) < apart for o in others)
+        return any(o.way is None and o.stays and np.linalg.norm(o.place - self.goal) < TAKEN for o in others)
 
     def _journey(self, now: Footing, course: Course, facing: float, frames: int = 0) -> Journey:
         return journey(self.skeleton, self.library, self.standing, now, course, facing, frames)

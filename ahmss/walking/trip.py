@@ -291,7 +291,7 @@ class Trip:
                     self._taken += _AGAIN if self.planner.taken(others) else 0
             yield stands
             stood, again, self._waited = stood + 1, again - 1, self._waited + 1
-        raise AlgorithmError(in_vain(self.others(), now.place, self.goal))
+        raise AlgorithmError(in_vain(self.others(), self._straight(now), self.goal))
 
     def _stepped(self, away: Journey) -> Generator[Piece, None, tuple[Piece, Footing]]:
         """The frames of a step aside, unless it is called off; the frame in which one stands then, and where."""
@@ -317,10 +317,14 @@ class Trip:
 
     def _tell_waiting(self, now: Footing) -> None:
         """Tell for whom one waits, once each."""
-        note = waits(self.others(), now.place, self.goal)
+        note = waits(self.others(), self._straight(now), self.goal)
         if note not in self._notes:
             self._notes.add(note)
             self.note(note)
+
+    def _straight(self, now: Footing) -> Array:
+        """The way (n, 2) that one would go if nobody were there."""
+        return self.planner.course(now.place, now.heading).points
 
     @property
     def _tired(self) -> bool:

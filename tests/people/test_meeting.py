@@ -51,3 +51,15 @@ def test_who_talks_beside_somebody_goes_to_their_other_side_where_a_table_is_at_
     here, _ = floor_frame(ken.rotations[-1], ken.root[-1])
     assert -0.96 < here[1] < -0.5
     assert abs(here[0]) < 0.5
+
+
+@pytest.mark.timeout(60)
+def test_where_tables_stand_at_both_sides_both_are_named(tmp_path: Path) -> None:
+    """The table at the nearer side alone was told, as if nobody had looked at the other."""
+    (tmp_path / "talk.txt").write_text(
+        "add floor\nadd table at 0.1 0.9\nadd table as other at 0.1 -0.9\nhuman aiko body aiko at 0 0 facing 0\n"
+        "human ken body ken at -0.8 1.6 facing 0\nken: do aiko talk beside=true seconds=1\n"
+    )
+    report = play_script(tmp_path / "talk.txt", PlaySetup(workspace=str(ROOT), fast=True))
+    (said,) = (message for main in report.mains for message in main["messages"])
+    assert "room at neither side of aiko, table and other being there" in said

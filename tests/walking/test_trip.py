@@ -15,6 +15,7 @@ from ahmss.motion.contact import foot_points
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.way import AHEAD, staying
 from ahmss.walking import trip
+from ahmss.walking.hindering import in_vain, waits
 from ahmss.walking.library import BODY, RATE
 from ahmss.walking.trip import Ground, Piece, Trip, Walker
 
@@ -184,6 +185,22 @@ def test_it_is_told_that_somebody_is_where_one_is_to_stand(monkeypatch: pytest.M
     assert notes == ["waits for aiko, who is where one is to stand (2.00 0.00)"]
     with pytest.raises(AlgorithmError, match="aiko stands in the way, where one is to stand"):
         list(pieces)
+
+
+def test_who_is_told_to_be_in_the_way_is_near_to_it() -> None:
+    """They were told to be where one is to stand 0.7 m off it, and to be in the way by a line through a wall."""
+    way = np.array([[0.0, 0.0], [0.0, 3.0], [4.0, 3.0]])  # round a wall
+    behind, on_it = (
+        Walker(np.array(place), np.zeros(2), name=name) for place, name in (((2.0, 1.2), "cy"), ((0.3, 2.9), "bo"))
+    )
+    assert waits((behind, on_it), way, way[-1]) == "waits for bo, who is in the way"
+    comes = replace(behind, way=np.linspace([2.0, 1.2], [2.0, 3.0], 6), velocity=np.array([0.0, 0.8]))
+    assert (
+        waits((comes, replace(on_it, place=np.array([-1.5, 0.0]))), way, way[-1]) == "waits for cy, who is in the way"
+    )
+    beside = replace(behind, place=np.array([4.0, 2.3]))
+    assert waits((beside,), way, way[-1]) == "waits for cy, who is too near to where one is to stand (4.00 3.00)"
+    assert in_vain((beside,), way, way[-1]).startswith("cy stands in the way, too near to where one is to stand (4.00 ")
 
 
 def test_who_stands_and_leaves_little_room_is_soon_gone_by() -> None:
