@@ -55,8 +55,9 @@ class Part:
     site: where it is taken, as it is now, in the world. way: for shares (n) of its way, from 0 to 1, the site's places
     (n, 3), and the turns (n, 4) in the world that the hand makes with it. seconds: that the way takes. off: (3,) metres
     from where a hand is on it to where the open hand is set, and to which it goes back. short: of the palms (7,) that
-    hold it when it sets out and when it is there, why that is not where it was to go; "" where it is. own: for shares
-    (n) of its way the turns (n, 4) in the world that it makes itself, where the hand turns less; None: as the hand.
+    hold it when it sets out and when it is there, why that is not where it was to go; "" where it is. came: of the same
+    palms the share of its way that it comes; None: nobody can tell. own: for shares (n) of its way the turns (n, 4) in
+    the world that it makes itself, where the hand turns less; None: as the hand.
     """
 
     site: Transform
@@ -64,6 +65,7 @@ class Part:
     seconds: float
     off: Array = field(default_factory=lambda: np.zeros(3))
     short: Callable[[Array, Array], str] | None = None
+    came: Callable[[Array, Array], float] | None = None
     own: Callable[[Array], Array] | None = None
 
     def at(self, share: Array) -> Transform:

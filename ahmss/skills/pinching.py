@@ -27,6 +27,7 @@ from ahmss.reaching.prism import Prism
 from ahmss.skills.arm_clear import beyond, refuse_sunk, standing_about, sunk_at, sunk_in
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.box import Box
+from ahmss.skills.brought_there import brought_there, held_ends
 from ahmss.skills.clearing import KEEPS, WITHIN, gap_of, refuse_touching
 from ahmss.skills.controls import beside, in_the_way, is_control, stood_before
 from ahmss.skills.elbow_room import awaited, crowding, refuse_head_in
@@ -184,11 +185,11 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
     Raises:
         AlgorithmError: why not.
     """
+    refuse_short(task, tried.plan, tried.short)
     if short := _short(task, tried.part, tried.plan, tried.made):
         raise AlgorithmError(short)
     if touching := _touching(task, tried):
         raise touching
-    refuse_short(task, tried.plan, tried.short)
     refuse_sunk(task, tried.plan, *_shown(tried.made, tried.back(task)))
     if tried.loose > _MOST_LOOSE and not is_control(task):  # a control's hand goes as its neighbours leave it room
         name = "it" if task.object is None else task.object.name
@@ -255,12 +256,16 @@ def _tried(
         share = opens_by(task, plan.reacher.side, *moved(task, part, plan.palm), (wide, grip.holding.shape), near)
         plan = yield from gaze.during(rest.round(plan, part, slerp(grip.holding.shape, wide, share)))
         yield from gaze.if_there_is_time()
-        made = yield from _made(task, part, plan, gaze, reaching, grip.holding, rest, share)
+
+        def so(part: Part, goes: Part) -> Generator[Array, None, Performed]:
+            return _made(task, part, goes, plan, gaze, reaching, grip.holding, rest, share)
+
+        made = yield from brought_there(task, part, plan, partial(so, part))
         missed = _missed(task, part, plan, made)
         if instead is None or missed <= _MISSED:
             return made
-        so = yield from _made(task, instead, plan, gaze, reaching, grip.holding, rest, share)
-        return so if _missed(task, instead, plan, so) < missed else made
+        other = yield from so(instead, instead)
+        return other if _missed(task, instead, plan, other) < missed else made
 
     def missed(plan: Plan, made: Performed) -> float:
         either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
@@ -325,6 +330,7 @@ def _shown(made: Performed, back: Array) -> tuple[Array, Array]:
 def _made(
     task: HumanTask,
     part: Part,
+    goes: Part,
     plan: Plan,
     gaze: Looking,
     reaching: Reaching,
@@ -332,9 +338,9 @@ def _made(
     rest: Rest,
     share: float,
 ) -> Generator[Array, None, Performed]:
-    """The frames of a plan, the fingers closing and opening, that by a share of as wide as they come."""
+    """The frames of a plan, the hand going as the part `goes`, fingers opening by a share of as wide as they come."""
     side = plan.reacher.side
-    then, closed = moved(task, part, plan.palm)
+    then, closed = moved(task, goes, plan.palm)
     holding = held_on(task, part, side, plan.palm, holding)
     wide, links = slerp(holding.shape, open_hand(task, side, holding), share), list(fingers(side))
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then, rest.on_way(side, part))
@@ -358,9 +364,4 @@ def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:
     """Why the part does not come to where it is to go; "" where it does, or nobody can tell."""
     if part.short is None:
         return ""
-    then, closed = moved(task, part, plan.palm)
-    held = np.flatnonzero(closed == 1.0) - len(then)
-    first, last = (
-        grips(task.human, made.rotations[[k]], made.root[[k]])[0, plan.reacher.row] for k in (held[0], held[-1])
-    )
-    return part.short(first, last)
+    return part.short(*held_ends(task, part, plan, made))

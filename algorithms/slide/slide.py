@@ -16,7 +16,7 @@ from ahmss.errors import AlgorithmError
 from ahmss.skills.pinching import Part, pinched
 
 LEAST, A_METRE = 0.35, 4.0  # seconds that it takes at least, and for a metre more
-NEXT_TO = 0.01  # of its way: nobody sees that it was moved
+NEXT_TO, OFF = 0.01, 0.015  # of its way: nobody sees that it was moved; that it may come to rest beside where it is to
 
 
 def slide(task: HumanTask) -> Iterator[Array]:
@@ -44,7 +44,20 @@ def slide(task: HumanTask) -> Iterator[Array]:
     def gone(share: Array) -> tuple[Array, Array]:
         return site.place + share[:, None] * way, np.tile(IDENTITY, (len(share), 1))
 
-    return pinched(task, Part(site, gone, LEAST + A_METRE * float(np.linalg.norm(way))))
+    def came(first: Array, last: Array) -> float:
+        """As `slid` has it: as far as the palm that holds the knob brings that."""
+        knob = Transform.of(last).apply(Transform.of(first).inverse().apply(site.place))
+        brought = now + float((knob - site.place) @ along) / float(along @ along)
+        return (float(np.clip(brought, 0.0, 1.0)) - now) / (to - now) if to != now else 1.0
+
+    def short(first: Array, last: Array) -> str:
+        rests = now + came(first, last) * (to - now)
+        if abs(rests - to) <= OFF:
+            return ""
+        return f"the hand would bring {thing.name} to {rests:.2f} instead of {to:.2f} from here; stand elsewhere"
+
+    seconds = LEAST + A_METRE * float(np.linalg.norm(way))
+    return pinched(task, Part(site, gone, seconds, short=short, came=came))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -13,9 +15,11 @@ from ahmss.algorithm.messages import ObjectRecord, PoseRecord
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.errors import AlgorithmError
-from ahmss.skills import controls
+from ahmss.motion.steps import finished
+from ahmss.skills import brought_there, controls
 from ahmss.skills.box import Box
 from ahmss.skills.controls import front_of
+from ahmss.skills.part_ways import Part
 from ahmss.walking import trip
 
 from .layouts import Control, Layout, Used, about_z, used
@@ -87,6 +91,28 @@ def test_a_knob_that_the_arm_is_too_short_for_is_stepped_to_or_refused() -> None
     pinch = it.frame.inverse().apply(0.5 * (done.tip("thumb") + done.tip("index")))
     for level in (0.0, 1.0):
         assert np.linalg.norm(pinch - middle - level * np.array([0.0, 0.0, 0.1]), axis=1).min() < 0.03
+
+
+class _Turns(SimpleNamespace):
+    """Performs a part that comes only so far of its way, and no farther than it can."""
+
+    def performed(self, part: Part):
+        yield from ()
+        return SimpleNamespace(goes=min(float(part.way(np.ones(1))[0][0, 2]), self.most) * self.share)
+
+
+@pytest.mark.parametrize(("share", "most", "comes"), [(0.8, 1.0, 0.1), (1.1, 1.0, 0.1), (1.0, 0.07, 0.07)])
+def test_a_hand_goes_on_until_the_part_is_where_it_is_to_be(
+    monkeypatch: pytest.MonkeyPatch, share: float, most: float, comes: float
+) -> None:
+    monkeypatch.setattr(brought_there, "held_ends", lambda _task, _part, _plan, made: (made.goes, made.goes))
+    up = np.array([0.0, 0.0, 0.1])
+    site = Transform(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    part = Part(site, lambda share: (share[:, None] * up, np.tile(site.rotation, (len(share), 1))), 1.0)
+    part = replace(part, came=lambda _, last: float(last) / 0.1)
+    turns = _Turns(share=share, most=most)
+    made = finished(brought_there.brought_there(None, part, None, turns.performed))  # type: ignore[arg-type]
+    assert made.goes == pytest.approx(comes, abs=0.0005)
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,8 @@ from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
 from ahmss.skills.elbow_room import awaited, crowding, refuse_head_in
 from ahmss.skills.reaching import Looking
+from ahmss.world.recording import Reader
+from ahmss.world.view import World
 from tests.algorithms.devices import acting, at, before, begun, device, tips
 from tests.algorithms.scene import WORKSPACE, Body, program
 from tests.demo.recorded import Recorded
@@ -140,6 +142,21 @@ def test_where_somebody_stands_in_the_place_that_is_why_a_lever_can_not_be_slid(
     report = play_script(tmp_path / "script.txt", PlaySetup(workspace=str(ROOT), fast=True))
     (message,) = (message for main in report.mains for message in main["messages"])
     assert message.endswith("from where there is room beside aiko; do it when they have gone")
+
+
+def test_a_lever_comes_to_where_it_is_slid_though_the_hand_is_turned_as_it_goes_past_somebody(tmp_path: Path) -> None:
+    """A wrist at its limit turned about the knob: it was left at 0.446."""
+    (tmp_path / "script.txt").write_text(
+        "add control_room\nhuman ken body ken at 1.17 0.2 facing 0\nhuman aiko body aiko at 0.5 0.9 facing 0\n"
+        "aiko: do panel/lever_5 slide level=0.5\n"
+    )
+    recording = tmp_path / "run.rec"
+    report = play_script(tmp_path / "script.txt", PlaySetup(workspace=str(ROOT), fast=True, record=recording))
+    assert report.failures == 0
+    world = World()
+    with Reader(recording) as reader:
+        reader.show(len(reader) - 1, world)
+    assert world.objects["control_room/panel/lever_5"].states["level"] == pytest.approx(0.5, abs=0.01)
 
 
 @pytest.mark.long
