@@ -74,6 +74,11 @@ class Reacher:
         place = self.shoulder(spine) + rotate(turned, wrist.place) + rotate(rotation, own[:3])
         return np.concatenate([place, multiply(rotation, own[3:])], axis=-1)
 
+    def missing(self, grip: Array, spine: tuple[Array, Array]) -> Array:
+        """Metres (...) that the arm is too short, or, negative, that its elbow bends too little, for palms (..., 7)."""
+        far = np.linalg.norm(self.hand(grip)[0] - self.shoulder(spine), axis=-1)
+        return far - np.clip(far, self.shortest, self.length)
+
     def shoulder(self, spine: tuple[Array, Array]) -> Array:
         """The shoulder's place (..., 3) in the world."""
         return spine[0] + rotate(spine[1], self.arm.place)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
+from ahmss.body.links import INDEX
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.reaching.goal import Goal
@@ -63,6 +64,8 @@ _SUNK = 1000.0  # what a metre costs that an arm is in what a control is on
 _LOW = 0.5  # of the hips' height: who is taller reaches no better what is under it
 _STANDS_THERE = (0.05, np.radians(6.0))  # metres, radians
 _SPARSE = 3  # every so many palms show how easily an arm comes there
+_HEAD = INDEX["head"]
+_OF_HEAD = slice(4 + 4 * _HEAD, 8 + 4 * _HEAD)  # its rotation in a row
 
 
 def is_control(task: HumanTask) -> bool:
@@ -142,6 +145,8 @@ def gone_to(
 ) -> Generator[Array, None, tuple[HumanTask, Looking]]:
     """The task from where one uses its control, after steps (n, 260) to there, the eyes on it while it is ahead.
 
+    A gaze that is later than the hand stays as it is on the way, and with it the head, for what a hand has at it.
+
     Args:
         task: whose control. stand: where. gaze: on its way. to: what one steps to; left out: the task's object.
 
@@ -155,9 +160,14 @@ def gone_to(
         try:
             rows = next(steps)
         except StopIteration as end:
+            if gaze.later:
+                end.value.rotations[_HEAD] = task.start.rotations[_HEAD]
             moved = begun_at(task, end.value.rotations, end.value.root)
-            return moved, watching.goes_on(moved)
-        yield watching.over(rows)
+            return moved, gaze.of(moved) if gaze.later else watching.goes_on(moved)
+        if gaze.later:
+            rows = rows.copy()
+            rows[:, _OF_HEAD] = task.start.rotations[_HEAD]
+        yield rows if gaze.later else watching.over(rows)
 
 
 def _faces(task: HumanTask) -> bool:

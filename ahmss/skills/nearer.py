@@ -36,9 +36,9 @@ _LOW = 0.6  # of the hips' height: what is so far under them is on the floor, or
 _BACK, _ON_IT = np.arange(0.05, 1.2, 0.05), 0.05  # metres towards oneself that are tried; from a top
 
 
-def short_of(arm: Stretch) -> str:
-    """What an arm lacks that is too short for its place, as a clause; ""."""
-    return f"the arm is {arm.missing:.2f} m too short" if arm.missing > MOST_MISSING else ""
+def short_of(arm: Stretch, most: float = MOST_MISSING) -> str:
+    """What an arm lacks that is too short for its place by more than so many metres, as a clause; ""."""
+    return f"the arm is {max(arm.missing, 0.01):.2f} m too short" if arm.missing > most else ""
 
 
 def gone_nearer(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ahmss.algorithm.place import Transform
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate
@@ -17,24 +18,25 @@ _EVERY = 2  # frames
 _LEVEL = np.array([1.0, 1.0, 0.0])
 
 
-def in_own_arm(task: HumanTask, side: str, made: Performed) -> tuple[float, Array]:
+def in_own_arm(task: HumanTask, made: Performed, held: Transform) -> tuple[float, Array]:
     """How deep, metres, what a hand carries on its way is in forearm or hand of the other arm at the most.
 
     It is taken as the box around it; 0 where its shape is not known. And the level unit vector (3,) away from that
-    hand, as the thing is beside it at the start: to that side it passes it.
+    hand, as the thing is beside it at the start: to that side it passes it. held: the thing, the task's object, in the
+    palm's frame.
     """
     thing = task.object
     if thing is None or thing.shape is None:
         return 0.0, np.zeros(3)
     low, high = thing.shape.vertices.min(axis=0), thing.shape.vertices.max(axis=0)
-    other = Reacher.of(task.human, SIDES[1 - SIDES.index(side)])
+    other = Reacher.of(task.human, SIDES[1 - made.plan.reacher.row])
     points, radii = skin_of(other, made.rotations[::_EVERY], made.root[::_EVERY])
     palms = made.targets[::_EVERY, made.plan.reacher.row, :7]
-    in_palm = task.start.grip(side).inverse().then(thing.frame)
-    place, turned = palms[:, :3] + rotate(palms[:, 3:], in_palm.place), multiply(palms[:, 3:], in_palm.rotation)
+    place, turned = palms[:, :3] + rotate(palms[:, 3:], held.place), multiply(palms[:, 3:], held.rotation)
     seen = rotate(conjugate(turned)[:, None], points - place[:, None])
     outside = np.maximum(low - seen, seen - high)
     apart = np.linalg.norm(np.maximum(outside, 0.0), axis=-1) + np.minimum(outside.max(axis=-1), 0.0)
     hand = hand_skin(other, task.start.rotations, task.start.root)[0].mean(axis=0)
-    away = (thing.frame.apply(0.5 * (low + high)) - hand) * _LEVEL
+    begins = Transform.of(made.plan.hands[made.plan.reacher.row]).then(held)
+    away = (begins.apply(0.5 * (low + high)) - hand) * _LEVEL
     return max(float((radii - apart).max()), 0.0), away / max(float(np.linalg.norm(away)), 1e-9)

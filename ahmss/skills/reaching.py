@@ -164,6 +164,15 @@ class Looking:
         if self._length:  # a short motion has few frames for the pauses of a plan: they are spread over these
             self._at_once = ceil(_PAUSES / max(_LEADS * self._length, 1.0))
 
+    @property
+    def later(self) -> bool:
+        """Whether it is later than the hand."""
+        return self._after is not None
+
+    def of(self, task: HumanTask) -> Looking:
+        """The same of who has come elsewhere meanwhile, from its beginning on."""
+        return Looking(task, self.place, in_thought=self._in_thought, after=self._after)
+
     def turned(self, frames: Array) -> Array:
         """How much of the way (n) the gaze has turned at frames (n) before the hand sets out."""
         return self._share(frames if self._after is None else np.zeros(len(frames)))

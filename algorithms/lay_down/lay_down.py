@@ -38,6 +38,7 @@ from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.own_arm import in_own_arm
 from ahmss.skills.own_head import at_own_head, in_own_head
+from ahmss.skills.past_oneself import past_oneself
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, performed, prisms_of
 from ahmss.skills.sunk import SUNK, sunk
@@ -51,7 +52,6 @@ WITHIN = 0.01  # metres: a place that is so deep in a thing is in it, and not on
 EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what its skin is told to be
 STRETCHED = 0.98  # of the arm's length, at the end: farther one steps nearer
 SURELY = 0.955  # the same from where one will stand
-PASSES, BRUSHES, AIR = 3, 0.002, 0.12  # ways past oneself; metres: what is in it; by which a way is moved more
 LATER = 0.55  # seconds by which the head turns later than the hand that has something at it comes off
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 UP = np.array([0.0, 0.0, 1.0])
@@ -66,7 +66,7 @@ def lay_down(task: HumanTask) -> Iterator[Array]:
     held = task.start.grip(task.hand).inverse().then(task.object.frame).inverse()
     _refuse_sunk(task, held)
     place = _rests(task, 0.0, TURNS).place[0]
-    gaze = Looking(task, place, after=LATER if at_own_head(task) else None)
+    gaze = Looking(task, place, after=LATER if at_own_head(task, task.hand, held.inverse()) else None)
     laid = yield from _laid(task, held, gaze)
     if (isinstance(laid, AlgorithmError) or laid.poor) and task.library is not None:
         goal = partial(_goal, task, held, turns=ANYHOW)
@@ -149,7 +149,7 @@ def _laid(task: HumanTask, held: Transform, gaze: Looking) -> Generator[Array, N
             goal = replace(goal, palms={task.hand: goal.palms[task.hand][clear]})
         try:
             plan = yield from planned(task, reaching, goal, gaze, _prisms(task), OVER * UP, most=MOST_OFF)
-            found = yield from _performed(task, reaching, plan, gaze)
+            found = yield from _performed(task, held, reaching, plan, gaze)
         except AlgorithmError as error:
             found = error
             continue
@@ -158,7 +158,9 @@ def _laid(task: HumanTask, held: Transform, gaze: Looking) -> Generator[Array, N
     return found
 
 
-def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -> Generator[Array, None, Laid]:
+def _performed(
+    task: HumanTask, held: Transform, reaching: Reaching, plan: Plan, gaze: Looking
+) -> Generator[Array, None, Laid]:
     """The frames of a plan, and of what follows it.
 
     Raises:
@@ -168,8 +170,8 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
     palm = np.concatenate([plan.palm[:3] - OVER * UP, plan.palm[3:]])
     links = list(fingers(task.hand))
     shape = task.start.rotations[links]
-    then, open_by, off = _then(task, palm)
-    made = yield from _past_oneself(task, reaching, plan, gaze, (links, shape), then)
+    then, open_by, off = _then(task, held, palm)
+    made = yield from _past_oneself(task, held.inverse(), reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
     made.rotations[length:, links] = _opening(task, shape, open_by, off)
     down = length + int(np.flatnonzero(open_by <= 0.0)[-1])
@@ -189,22 +191,30 @@ def _performed(task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking) -
 
 
 def _past_oneself(
-    task: HumanTask, reaching: Reaching, plan: Plan, gaze: Looking, shape: Fingers, then: Array
+    task: HumanTask,
+    in_palm: Transform,
+    reaching: Reaching,
+    plan: Plan,
+    gaze: Looking,
+    shape: Fingers,
+    then: Array,
 ) -> Generator[Array, None, Performed]:
     """The frames of a plan, by a way on which what is carried goes past the other arm and the head, if there is one."""
-    best: tuple[float, Performed] | None = None
-    way, made = plan.turned_late() if at_own_head(task) else plan, None
-    for _ in range(PASSES):
+    made: Performed | None = None
+
+    def perform(way: Plan) -> Generator[Array, None, Performed]:
+        nonlocal made
         made = yield from performed(task, reaching, way, gaze, shape, then)
-        deep, away = max((of(task, task.hand, made) for of in (in_own_arm, in_own_head)), key=lambda one: one[0])
-        best = min(best or (deep, made), (deep, made), key=lambda one: one[0])
-        if deep <= BRUSHES:
-            break
-        way = way.moved((deep + AIR) * away)
-    assert best is not None
-    if best[1] is not made and (task.length or best[1].looked < 1.0):  # the eyes have gone on since it was made
-        return (yield from performed(task, reaching, best[1].plan, gaze, shape, then))
-    return best[1]
+        return made
+
+    def deepest(made: Performed) -> tuple[float, Array]:
+        return max((of(task, made, in_palm) for of in (in_own_arm, in_own_head)), key=lambda one: one[0])
+
+    first = plan.turned_late() if at_own_head(task, task.hand, in_palm) else plan
+    best = yield from past_oneself(first, perform, deepest)
+    if best is not made and (task.length or best.looked < 1.0):  # the eyes have gone on since it was made
+        return (yield from performed(task, reaching, best.plan, gaze, shape, then))
+    return best
 
 
 def _depth(task: HumanTask, made: Performed) -> float:
@@ -265,7 +275,7 @@ def _opening(task: HumanTask, shape: Array, open_by: Array, off: Array) -> Array
     return slerp(wide, opened(task.hand, shape[:2]), minimum_jerk(off / BACK)[:, None])
 
 
-def _then(task: HumanTask, palm: Array) -> tuple[Array, Array, Array]:
+def _then(task: HumanTask, held: Transform, palm: Array) -> tuple[Array, Array, Array]:
     """Palms (n, 7) from over the place down to it, and away; how far the hand is open (n); metres that it is off."""
     seconds = (SINKS, RESTS, OPENS, LEAVES) if task.parameter("let_go", True) else (SINKS, RESTS, 0.0, 0.0)
     counts = [round(each * task.rate) for each in seconds]
@@ -274,7 +284,7 @@ def _then(task: HumanTask, palm: Array) -> tuple[Array, Array, Array]:
     over = np.concatenate([1.0 - share[0], zero[1], zero[2], zero[3]])
     away = np.concatenate([zero[0], zero[1], zero[2], share[3]])
     palms = np.repeat(palm[None], len(over), axis=0)
-    palms[:, :3] += OVER * over[:, None] * UP + BACK * away[:, None] * _back(task, palm)
+    palms[:, :3] += OVER * over[:, None] * UP + BACK * away[:, None] * _back(task, held, palm)
     opens, leaves = (1.0 - half_of(_grip(task))) * share[2], 1.0 - half_closed(BACK * share[3], _grip(task))
     open_by = np.concatenate([zero[0], zero[1], opens, leaves])
     return palms, open_by, BACK * away
@@ -286,14 +296,13 @@ def _grip(task: HumanTask) -> str | None:
     return None if named is None else named.grip
 
 
-def _back(task: HumanTask, palm: Array) -> Array:
+def _back(task: HumanTask, held: Transform, palm: Array) -> Array:
     """The direction (3,) in which the opened hand leaves: back from a pinch, away from the palm of a fist."""
     assert task.object is not None
     named = task.object.sites.get(task.message.site)
     if named is None or named.grip != "precision":
         return rotate(palm[3:], np.array([-1.0, 0.0, 0.0]))
-    in_palm = task.start.grip(task.hand).inverse().then(task.object.frame)
-    site = in_palm.then(Transform(np.array(named.position), np.array(named.rotation)))
+    site = held.inverse().then(Transform(np.array(named.position), np.array(named.rotation)))
     return -rotate(multiply(palm[3:], site.rotation), np.array([1.0, 0.0, 0.0]))
 
 
