@@ -76,7 +76,7 @@ class Reacher:
 
     def missing(self, grip: Array, spine: tuple[Array, Array]) -> Array:
         """Metres (...) that the arm is too short, or, negative, that its elbow bends too little, for palms (..., 7)."""
-        far = np.linalg.norm(self.hand(grip)[0] - self.shoulder(spine), axis=-1)
+        far = np.asarray(np.linalg.norm(self.hand(grip)[0] - self.shoulder(spine), axis=-1), np.float64)
         return far - np.clip(far, self.shortest, self.length)
 
     def shoulder(self, spine: tuple[Array, Array]) -> Array:

@@ -200,19 +200,18 @@ def _past_oneself(
     then: Array,
 ) -> Generator[Array, None, Performed]:
     """The frames of a plan, by a way on which what is carried goes past the other arm and the head, if there is one."""
-    made: Performed | None = None
+    tried: list[Performed] = []
 
     def perform(way: Plan) -> Generator[Array, None, Performed]:
-        nonlocal made
-        made = yield from performed(task, reaching, way, gaze, shape, then)
-        return made
+        tried.append((yield from performed(task, reaching, way, gaze, shape, then)))
+        return tried[-1]
 
     def deepest(made: Performed) -> tuple[float, Array]:
         return max((of(task, made, in_palm) for of in (in_own_arm, in_own_head)), key=lambda one: one[0])
 
     first = plan.turned_late() if at_own_head(task, task.hand, in_palm) else plan
     best = yield from past_oneself(first, perform, deepest)
-    if best is not made and (task.length or best.looked < 1.0):  # the eyes have gone on since it was made
+    if best is not tried[-1] and (task.length or best.looked < 1.0):  # the eyes have gone on since it was made
         return (yield from performed(task, reaching, best.plan, gaze, shape, then))
     return best
 

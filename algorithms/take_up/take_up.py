@@ -87,7 +87,7 @@ def take_up(task: HumanTask) -> Iterator[Array | HumanPose]:
     then, closed = _closing(task, grip, into)
     wide = opener(Hand.of(task.human, side), holding)
     made = yield from performed(task, reaching, plan, gaze, (links, wide), then)
-    refuse_short(task, plan, off_target(task, plan, made, then, closed > 0.0, task.site.place))
+    refuse_short(task, plan, off_target(task, plan, made, then, closed > 0.0, goal.place))
     length = len(made.root) - len(then)
     made.rotations[length:, links] = slerp(wide, holding.shape, closed[:, None])
     yield from closed_at_last(at_ease(task, task.block(made.rotations, made.root, made.importance, made.targets)))

@@ -34,16 +34,21 @@ class Scene:
 
     def __init__(
         self, name: str, side: str, kind: str, site: str, to: str, away: float = 0.5, motion: str | None = None,
-        over: float | None = None,
+        over: float | None = None, aside: float = 0.0, turn: float = 0.0, along: float = 0.0,
     ) -> None:  # fmt: skip
-        """over: metres that a manual, or a handset's telephone, is over a table's edge; left out: there is neither."""
+        """over: metres that a manual, or a handset's telephone, is over a table's edge; left out: there is neither.
+
+        away, aside, turn: where one stands, metres, and by how many degrees aside one faces. along: metres, to the
+        same side, that the table's middle is aside.
+        """
         self.base = at(1.0, -0.5, 0.88, 2.1)
         offset = CRADLE if kind == "handset" else np.zeros(3)
         self.frame = Transform(self.base.apply(offset), self.base.rotation)
-        self.body, self.side, self.kind, self.site = before(name, self.base, away), side, kind, site
+        self.body, self.side = before(name, self.base, away, aside, turn), side
+        self.kind, self.site = kind, site
         self.world: list[ObjectRecord] = []
         if over is not None:
-            middle = Transform(self.base.apply(np.array([0.125 - over - 0.5, 0.0, -0.88])), self.base.rotation)
+            middle = Transform(self.base.apply(np.array([0.125 - over - 0.5, along, -0.88])), self.base.rotation)
             self.world.append(msgspec.structs.replace(device("table", middle, shaped=True), id=9))
             if kind == "handset":
                 self.world.append(msgspec.structs.replace(device("telephone", self.base, shaped=True), id=8))
