@@ -17,12 +17,13 @@ from ahmss.reaching.handpoints import placed_points
 from ahmss.reaching.prism import Prism
 from ahmss.skills.around import half_of
 
-__all__ = ["SUNK", "lain_on", "sunk"]
+__all__ = ["SUNK", "lain_on", "sunk", "sunk_going"]
 
 SUNK = 0.004
 """Metres that the skin of fingers may be in it, as it is told: a table as if it were solid down to the floor."""
 
 _EACH = 3  # balls: every so many along a link, its ends among them
+_SKIN = 0.02  # metres: no finger is thicker
 _OPEN = np.array([0.0, 0.5, 1.0])  # of how far they are open with the palm there
 
 
@@ -44,6 +45,21 @@ def sunk(task: HumanTask, side: str, palms: Array, shape: Array, prisms: Sequenc
         for one in prisms:
             deep = np.maximum(deep, (radii.ravel() - one.signed(points)).max(axis=-1))
     return deep
+
+
+def sunk_going(task: HumanTask, side: str, palms: Array, shapes: Array, prisms: Sequence[Prism]) -> float:
+    """Metres that the skin of a hand that goes is in things at the most; negative outside, -inf where there is none.
+
+    Args:
+        side: the hand. palms: (n, 7) in the world, shapes: (n, 14, 4) of its fingers, on its way. prisms: the things.
+    """
+    middles, radii = Hand.of(task.human, side).balls(shapes)
+    own = middles[..., ::_EACH, :].reshape(len(palms), -1, 3)
+    points = np.concatenate(
+        [placed_points(task.human, side, palm[None], one) for palm, one in zip(palms, own, strict=True)]
+    )
+    near = [one for one in prisms if one.meets(points.min(axis=(0, 1)) - _SKIN, points.max(axis=(0, 1)) + _SKIN)]
+    return max((float((radii[:, ::_EACH].ravel() - one.signed(points)).max()) for one in near), default=-np.inf)
 
 
 def lain_on(thing: WorldObject, prisms: Sequence[Prism]) -> list[Prism]:

@@ -19,12 +19,9 @@ from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
-from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
-from ahmss.grasping.hand import Hand
-from ahmss.grasping.holding import widened
 from ahmss.motion.easing import minimum_jerk
-from ahmss.motion.fingers import opened
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.performing import Fingers, Performed
@@ -34,6 +31,7 @@ from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
 from ahmss.skills.around import half_closed, half_of
 from ahmss.skills.at_ease import at_ease
+from ahmss.skills.letting_go import letting_go
 from ahmss.skills.nearer import gone_nearer
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.own_arm import in_own_arm
@@ -109,8 +107,12 @@ def _refuse_sunk(task: HumanTask, held: Transform) -> None:
 def _sunk(task: HumanTask, goal: Goal) -> Array:
     """Metres (n) that the hand is in things with palms of a goal, but in what holds that place, as a shelf does."""
     shape = task.start.rotations[list(fingers(task.hand))]
-    prisms = [one for one in _prisms(task) if not one.sought and float(one.signed(goal.place)) > -WITHIN]
-    return sunk(task, task.hand, goal.palms[task.hand], shape, prisms, _grip(task))
+    return sunk(task, task.hand, goal.palms[task.hand], shape, _about(task, goal.place), _grip(task))
+
+
+def _about(task: HumanTask, place: Array) -> list[Prism]:
+    """What is about a place (3,) but what holds it."""
+    return [one for one in _prisms(task) if not one.sought and float(one.signed(place)) > -WITHIN]
 
 
 def _lacks(task: HumanTask, arm: Stretch, most: float = STRETCHED) -> str:
@@ -173,7 +175,8 @@ def _performed(
     then, open_by, off = _then(task, held, palm)
     made = yield from _past_oneself(task, held.inverse(), reaching, plan, gaze, (links, shape), then)
     length = len(made.root) - len(then)
-    made.rotations[length:, links] = _opening(task, shape, open_by, off)
+    palms, about = made.targets[length:, plan.reacher.row, :7], _about(task, _rests(task, 0.0, TURNS).place[0])
+    made.rotations[length:, links] = letting_go(task, palms, shape, open_by, minimum_jerk(off / BACK), about)
     down = length + int(np.flatnonzero(open_by <= 0.0)[-1])
     there = made.targets[down, plan.reacher.row]
     off = float(np.linalg.norm(there[:3] - palm[:3]))
@@ -261,17 +264,6 @@ def _home(task: HumanTask) -> WorldObject | None:
 def _prisms(task: HumanTask) -> list[Prism]:
     """What may be in the way; into what it is laid the fingers that hold it come, too."""
     return prisms_of(task, _home(task))
-
-
-def _opening(task: HumanTask, shape: Array, open_by: Array, off: Array) -> Array:
-    """The fingers (n, 14, 4) of a hand that lets go: as wide as it came to it, the other way round, and then at rest.
-
-    Args:
-        shape: (14, 4) as they hold. open_by: (n,) how far they are open, 0 to 1. off: (n,) metres that the hand is off.
-    """
-    hand = Hand.of(task.human, task.hand)
-    wide = slerp(shape, widened(hand, hand.flexion(shape), hand.thumb(shape)), open_by[:, None])
-    return slerp(wide, opened(task.hand, shape[:2]), minimum_jerk(off / BACK)[:, None])
 
 
 def _then(task: HumanTask, held: Transform, palm: Array) -> tuple[Array, Array, Array]:

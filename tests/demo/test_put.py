@@ -219,6 +219,18 @@ def test_who_steps_to_a_put_keeps_the_free_hand_out_of_the_table_from_the_first_
     assert [one for one in met(tmp_path / "r.rec", "ken", ROOT, 1, 0.002) if one.thing == "table"] == []
 
 
+def test_a_hand_that_lets_go_over_a_desk_keeps_its_fingers_out_of_it(tmp_path: Path) -> None:
+    """They came to rest as the hand was drawn back, and were 15 mm in its top, which is 30 mm thick."""
+    (tmp_path / "put.txt").write_text(
+        "add floor\nadd desk at 0 0 0\nadd manual at 0.285 0 0.72 facing 0\nhuman ken body ken at 0.75 0 facing 180\n"
+        "do manual take\ndo manual put to 0.15 0 0.8\n"
+    )
+    report = play_script(tmp_path / "put.txt", PlaySetup(workspace=str(ROOT), fast=True, record=tmp_path / "r.rec"))
+    assert report.failures == 0
+    skin = met(tmp_path / "r.rec", "ken", ROOT, 2)
+    assert max((one.depth for one in skin if one.thing == "desk"), default=0.0) < 0.004, skin[0]
+
+
 def test_on_the_floor_it_is_put_crouching(tmp_path: Path) -> None:
     shown, skin, told = said(tmp_path, "-0.5 0.6", "do cup release\ndo floor stand\n")
     assert told == []
