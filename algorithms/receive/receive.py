@@ -9,7 +9,7 @@ changed hands, and who has it now until the other's hand is away from it.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -24,10 +24,12 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.fingers import opened
+from ahmss.motion.steps import Steps
 from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.skills.at_ease import at_ease
+from ahmss.skills.beside_hand import clear_of_hand
 from ahmss.skills.company import Watching, aside_of, settled
 from ahmss.skills.grasping import Closing, closing, read_shape
 from ahmss.skills.margins import Margin, margins
@@ -48,6 +50,7 @@ ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist nee
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
 OPPOSITE = np.radians([75.0, 105.0, 135.0])  # how far from straight opposite the giver's palm the own one may come
 AS_OPPOSITE = 0.3  # of a cosine: what is opposite by less so, where a thing can be taken from one side only
+AS_CLEAR = 0.004  # metres by which a hand may be less clear of the giver's than it can be
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 CLOSES, DRAWS = 0.45, 0.9  # seconds
 GONE, LETS_GO = 0.075, 1.0  # metres by which the giver's opened hand has gone back; seconds that one waits for it
@@ -71,7 +74,8 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         gaze = Looking(begun, goal.place)
         reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
         sides = list(margins(begun, side))
-        goals = _at_margins(begun, side, sides, goal) if sides else _about(begun, whom, side, goal)
+        about = _at_margins(begun, side, sides, goal) if sides else None
+        goals = about or (yield from gaze.during(_about(begun, whom, side, goal)))
         plan = yield from _easiest(begun, goals, gaze, reaching)
         made = yield from performed(begun, reaching, plan, gaze, _opened(side))
         tell_missed(task, plan)
@@ -89,7 +93,7 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     yield at_ease(task, _drawn(task, side, pose, first))
 
 
-def _easiest(task: HumanTask, goals: Iterator[Goal], gaze: Looking, reaching: Reaching) -> Generator[Array, None, Plan]:
+def _easiest(task: HumanTask, goals: Iterable[Goal], gaze: Looking, reaching: Reaching) -> Generator[Array, None, Plan]:
     """The plan of a reach to the first goal that the arm comes to as it should, or nearest to it.
 
     Raises:
@@ -168,17 +172,31 @@ def _goal(task: HumanTask) -> Goal:
     return goal_of(again(task, goal=MessageGoal()))  # the thing, not who holds it
 
 
-def _about(task: HumanTask, whom: WorldObject, side: str, goal: Goal) -> Iterator[Goal]:
-    """The palms before it, where there is a choice opposite the palm of who holds it, and then from farther round."""
+def _about(task: HumanTask, whom: WorldObject, side: str, goal: Goal) -> Steps[list[Goal]]:
+    """The palms before it, where there is a choice opposite the palm of who holds it, and then from farther round.
+
+    Of these first those that keep clearest of that hand.
+    """
     reacher = Reacher.of(task.human, side)
     palms = palms_of(goal, reacher, reacher.shoulder(seat(task.human, task.start.rotations, task.start.root)))
     if goal.around is None:
-        yield Goal(goal.place, palms={side: palms})
-        return
-    theirs = whom.site(_giving(task, whom), task.start.root)
+        return [Goal(goal.place, palms={side: palms})]
+    giving = _giving(task, whom)
+    theirs = whom.site(giving, task.start.root)
     apart = rotate(palms[:, 3:], X)[:, :2] @ rotate(theirs.rotation, X)[:2]
-    for opposite in np.maximum(-np.cos(OPPOSITE), apart.min() + AS_OPPOSITE):
-        yield Goal(goal.place, palms={side: palms[apart < opposite]})
+    axis = Transform.of(goal.around)
+    there = palms.copy()
+    there[:, :3] += (goal.before - _radius(task)) * rotate(palms[:, 3:], X)
+    gaps = yield from clear_of_hand(task.human, side, there, theirs, giving.removesuffix("_hand"), axis, _radius(task))
+    sets = [apart < opposite for opposite in np.maximum(-np.cos(OPPOSITE), apart.min() + AS_OPPOSITE)]
+    sets = [*(some & (gaps > gaps[some].max() - AS_CLEAR) for some in sets), *sets]
+    return [Goal(goal.place, palms={side: palms[some]}) for some in sets]
+
+
+def _radius(task: HumanTask) -> float:
+    """Metres, of what is round."""
+    assert task.object is not None
+    return 0.5 * float(task.object.properties.get("diameter", 0.0))
 
 
 def _opened(side: str) -> tuple[list[int], Array]:

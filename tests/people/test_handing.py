@@ -14,7 +14,9 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
+from ahmss.motion.steps import finished
 from ahmss.reaching.goal import Goal
+from ahmss.skills.beside_hand import clear_of_hand
 from tests.algorithms.scene import Body, module
 from tests.demo.recorded import Recorded
 
@@ -117,11 +119,36 @@ def test_what_can_be_taken_from_the_giver_s_own_side_only_is_taken_from_there() 
     palms = np.concatenate([np.tile(place, (2, 1)), turns], axis=1)
     goal = Goal(place, around=np.array([*place, 1.0, 0.0, 0.0, 0.0]), palms={"right": palms})
     start = SimpleNamespace(rotations=body.rotations, root=body.root)
-    task = SimpleNamespace(human=body.skeleton, start=start, object=SimpleNamespace(place=place))
+    task = SimpleNamespace(human=body.skeleton, start=start, object=SimpleNamespace(place=place, properties={}))
     whom = SimpleNamespace(site=lambda *_: Transform(place, np.array([1.0, 0.0, 0.0, 0.0])))
-    goals = list(module("receive")._about(task, whom, "right", goal))
+    goals = finished(module("receive")._about(task, whom, "right", goal))
     assert all(len(one.palms["right"]) for one in goals)
-    assert len(goals) == 3
+    assert len(goals) == 6
+
+
+@pytest.mark.parametrize("giver", ["right", "left"])
+def test_palms_that_keep_clear_of_the_giver_s_hand_are_tried_first(giver: str) -> None:
+    """Palms were 19 mm in each other where another way round the cup had room."""
+    body, place = Body("aiko"), np.array([0.4, 0.0, 1.0])
+    up, to_them = np.array([0.0, 0.0, 1.0]), from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(2.2))
+    axis = Transform(place, np.array([1.0, 0.0, 0.0, 0.0]))
+    goal = Goal(place, around=axis.row(), before=0.03 + RADIUS)
+    theirs = Transform(place - RADIUS * rotate(to_them, np.array([1.0, 0.0, 0.0])), to_them)
+    start = SimpleNamespace(rotations=body.rotations, root=body.root)
+    thing = SimpleNamespace(place=place, properties={"diameter": 2.0 * RADIUS})
+    task = SimpleNamespace(human=body.skeleton, start=start, object=thing)
+    far = Transform(place + up, to_them)
+    whom = SimpleNamespace(site=lambda name, _: theirs if name == f"{giver}_hand" else far)
+    goals = [one.palms["left"] for one in finished(module("receive")._about(task, whom, "left", goal))]
+
+    def gaps(palms: Array) -> Array:
+        closed = palms.copy()
+        closed[:, :3] += 0.03 * rotate(palms[:, 3:], np.array([1.0, 0.0, 0.0]))
+        return finished(clear_of_hand(body.skeleton, "left", closed, theirs, giver, axis, RADIUS))
+
+    for first, anyhow in zip(goals[:3], goals[3:], strict=True):
+        assert gaps(first).min() > max(gaps(anyhow).max() - 0.005, gaps(anyhow).min())
+        assert len(first) < len(anyhow)
 
 
 def test_they_stand_face_to_face_about_an_arm_apart(given: tuple[Recorded, Recorded, str]) -> None:
