@@ -35,9 +35,11 @@ def corridor(arcs: Array, start: float, steps: Sequence[float]) -> list[Gate]:
     """
     reached: list[list[Gate]] = []
     before: list[Gate] = [(start, start)]
-    for frame, step in zip(arcs.tolist(), steps, strict=True):
+    whole = (arcs[..., 1] - arcs[..., 0] >= _TURN - _WHOLE).any(axis=-1)
+    for frame, all_round, step in zip(arcs.tolist(), whole.tolist(), steps, strict=True):
         grown = _joined([(low - step, high + step) for low, high in before])
-        before = [gate for part in grown for gate in _on_arcs(frame, _capped(part, start))]
+        parts = [_capped(part, start) for part in grown]
+        before = parts if all_round else [gate for part in parts for gate in _on_arcs(frame, part)]
         if not before:
             break
         reached.append(before)
@@ -46,9 +48,13 @@ def corridor(arcs: Array, start: float, steps: Sequence[float]) -> list[Gate]:
     gates = [min(reached[-1], key=lambda gate: _distance(gate, start))]
     for parts, step in zip(reversed(reached[:-1]), reversed(steps[1 : len(reached)]), strict=True):
         low, high = gates[-1][0] - step, gates[-1][1] + step
-        near = [(a, b) for a, b in parts if a <= high + _INSIDE and b >= low - _INSIDE]  # rounding parts what touches
-        leading = [(max(low, min(a, high)), min(high, max(b, low))) for a, b in near]
-        gates.append(min(leading, key=lambda gate: _distance(gate, start)))
+        if len(parts) > 1:
+            near = [(a, b) for a, b in parts if a <= high + _INSIDE and b >= low - _INSIDE]  # rounding parts some
+            leading = ((max(low, min(a, high)), min(high, max(b, low))) for a, b in near)
+            gates.append(min(leading, key=lambda gate: _distance(gate, start)))
+        else:
+            (a, b), *_ = parts
+            gates.append((max(low, min(a, high)), min(high, max(b, low))))
     gates.reverse()
     # A gate that two branches led to is reached from the one that was taken only in part.
     previous = (start, start)
@@ -70,10 +76,10 @@ def taut_string(gates: Sequence[Gate], start: float, paces: Sequence[float]) -> 
     """
     n = len(gates)
     time = np.concatenate([[0.0], np.cumsum(paces)])
-    out = np.empty(n)
+    out, times = np.empty(n), time.tolist()
     at, value = 0, start  # the string's last bend: a count of gates passed, and its value there
     while at < n:
-        bend, there = _next_bend(gates, time.tolist(), at, value)
+        bend, there = _next_bend(gates, times, at, value)
         share = (time[at + 1 : bend + 1] - time[at]) / (time[bend] - time[at])
         out[at:bend] = value + share * (there - value)
         at, value = bend, there
@@ -84,8 +90,10 @@ def _next_bend(gates: Sequence[Gate], time: Sequence[float], at: int, value: flo
     """Where the string that bends at a place bends next; the end of the last level piece is one too."""
     least, most = -math.inf, math.inf  # the slopes that pass all gates so far
     least_at = most_at = at
+    began = time[at]
     for j in range(at + 1, len(gates) + 1):
-        low, high = ((side - value) / (time[j] - time[at]) for side in gates[j - 1])
+        away, (low, high) = time[j] - began, gates[j - 1]
+        low, high = (low - value) / away, (high - value) / away
         if low > most:
             return most_at, gates[most_at - 1][1]
         if high < least:
@@ -102,14 +110,12 @@ def _next_bend(gates: Sequence[Gate], time: Sequence[float], at: int, value: flo
 
 
 def _on_arcs(arcs: list[list[float]], part: Gate) -> list[Gate]:
-    """What arcs on the circle have in common with an interval of the line, in rising order."""
+    """What arcs on the circle, none of them all round, have in common with an interval of the line, in rising order."""
     low, high = part
     found: list[Gate] = []
     for begin, end in arcs:
         if math.isnan(begin):
             break
-        if end - begin >= _TURN - _WHOLE:
-            return [part]
         inset = min(_INSIDE, 0.5 * (end - begin))
         first, last = math.ceil((low - end) / _TURN), math.floor((high - begin) / _TURN)
         for turns in range(first, last + 1):
@@ -121,6 +127,8 @@ def _on_arcs(arcs: list[list[float]], part: Gate) -> list[Gate]:
 
 def _joined(parts: list[Gate]) -> list[Gate]:
     """Intervals in rising order, those that touch made one."""
+    if len(parts) == 1:
+        return parts
     out = [parts[0]]
     for low, high in parts[1:]:
         if low <= out[-1][1]:

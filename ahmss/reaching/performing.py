@@ -30,6 +30,7 @@ _LEGS = [
 _TRUNK = [INDEX["hips"], INDEX["spine"], INDEX["head"]]
 _DETOUR = 3.0  # as a metre of way
 _RAISES, _HIGHER = 2, np.array([0.0, 0.0, 0.07])  # times, metres
+_SLIGHT = 0.005  # of flaw, for which no other way is tried: 0.05 mm in things, a hundredth of a degree
 _OTHER = 0.3  # the other arm's importance
 _NOTHING_THEN: Array = np.zeros((0, 7))
 _NO_FINGERS: Fingers = ([], np.zeros((0, 4)))
@@ -81,7 +82,7 @@ def perform(
     first = yield from solved(plan, body, then, sought)
     best = yield from swung_clear(first, body, then, sought)
     ways, raises = [*farther(plan, body), *plan.otherwise()], _RAISES
-    while best.flaw > 0.0 and (ways or raises):
+    while best.flaw > _SLIGHT and (ways or raises):
         yield
         way = ways.pop(0) if ways else None
         arm = yield from solved(way or best.plan.moved(_HIGHER), body, then, sought)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 
 from ahmss.algorithm.place import Transform
@@ -11,9 +13,9 @@ from ahmss.body.quaternion import rotate
 from ahmss.skills.stands import stands_at
 from ahmss.skills.stepping import ground_of
 from ahmss.walking import goals
-from ahmss.walking.obstacles import nearest_free
+from ahmss.walking.obstacles import Obstacles
 
-__all__ = ["around_it", "before", "front_of"]
+__all__ = ["all_before", "around_it", "before", "front_of"]
 
 _Y = np.array([0.0, 1.0, 0.0])
 _CLEAR = 0.26  # metres from things on the floor to the middle of who stands at them
@@ -36,12 +38,20 @@ def before(task: HumanTask, away: float, aside: float = 0.0, front: Array | None
 
     front: (2,) the level way from it to where one stands, of length 1; None: out of it.
     """
+    return next(all_before(task, [(away, aside)], front))
+
+
+def all_before(
+    task: HumanTask, ways: Iterable[tuple[float, float]], front: Array | None = None
+) -> Iterator[goals.Goal]:
+    """The same for several: so far before it, and so far to the left."""
     assert task.object is not None
     front = front_of(task.object.frame) if front is None else front
     left = np.array([front[1], -front[0]])  # of who looks at it
-    wanted = task.object.place[:2] + away * front + aside * left
-    free = nearest_free(wanted, ground_of(task).outlines, _CLEAR)
-    return goals.Goal(free, float(np.arctan2(-front[1], -front[0])))
+    floor = Obstacles.of(ground_of(task).outlines, _CLEAR)
+    for away, aside in ways:
+        free = floor.nearest_free(task.object.place[:2] + away * front + aside * left)
+        yield goals.Goal(free, float(np.arctan2(-front[1], -front[0])))
 
 
 def around_it(task: HumanTask) -> list[goals.Goal]:

@@ -92,6 +92,7 @@ def by_fingertip(
         )  # fmt: skip
         refuse_sunk(task, plan, made.rotations, made.root)
         refuse_short(task, plan, touching.missed(task, plan, made))
+        refuse_head_in(task, made)
         return plan, made
 
     plates = standing_about(task)
@@ -101,7 +102,7 @@ def by_fingertip(
 
     task, gaze, (plan, made) = yield from or_elsewhere(task, gaze, attempt, worth, lambda _: 0.0)
     waited = yield from awaited(task, made, plan.reacher.side, gaze)
-    refuse_head_in(task, made)
+    refuse_head_in(task, made)  # somebody may have come meanwhile
     if waited and made.looked < 1.0:
         made = yield from touching.perform(task, plan, gaze)  # the eyes have gone on
     refuse_short(task, plan, touching.missed(task, plan, made))

@@ -19,7 +19,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.performing import Performed
-from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.reacher import SIDES, Reacher
 from ahmss.reaching.skin import skin_of
 from ahmss.skills.reaching import Looking
 
@@ -54,14 +54,18 @@ def crowding(task: HumanTask, made: Performed, side: str) -> float:
 
 
 def refuse_head_in(task: HumanTask, made: Performed) -> None:
-    """Refuse a way on which one's head would be in somebody who stands beside.
+    """Refuse a way on which one's head would be in somebody who stands beside, as they are or when their arms hang.
 
     Raises:
         AlgorithmError: it would; says by how much, in whom, and what to do.
     """
+    near = others_near(task)
+    if not near:
+        return
     points, radii = _head(task, made.rotations[::_SPARSE], made.root[::_SPARSE])
-    for other in others_near(task):
-        deep = _nearest((points, radii), _segments(task, other)) - _AIR
+    for other in near:
+        segments = (np.concatenate(both) for both in zip(_segments(task, other), _hanging(task, other), strict=True))
+        deep = _nearest((points, radii), tuple(segments)) - _AIR
         if deep > _HEAD_GIVES:
             raise AlgorithmError(
                 f"the head would be {1000.0 * deep:.0f} mm in {other.name}, who stands where one leans to; do it "
@@ -161,12 +165,23 @@ def _head(task: HumanTask, rotations: Array, root: Array) -> tuple[Array, Array]
     return head[:, None], np.array([_HEAD_THICK])
 
 
+def _hanging(task: HumanTask, other: WorldObject) -> tuple[Array, Array, Array]:
+    """Where another's arms would be that are let down: beginnings and ends (4, 3), and their radii (4,)."""
+    joints = np.stack([_joints(task, other, side) for side in SIDES])
+    lengths = np.linalg.norm(np.diff(joints[:, :3], axis=1), axis=-1)  # of upper arms and forearms
+    down = np.cumsum(lengths, axis=1)[..., None] * np.array([0.0, 0.0, -1.0])
+    elbows, hands = (joints[:, 0] + down[:, k] for k in (0, 1))
+    return np.concatenate([joints[:, 0], elbows]), np.concatenate([elbows, hands]), np.repeat(_THICK[:2], len(SIDES))
+
+
+def _joints(task: HumanTask, other: WorldObject, side: str) -> Array:
+    """Shoulder, elbow, hand and fingers (4, 3) of another, now."""
+    return np.stack([other.site(f"{side}_{joint}", task.start.root).place for joint in _ARM])
+
+
 def _segments(task: HumanTask, other: WorldObject) -> tuple[Array, Array, Array]:
     """Where another human is now: beginnings and ends (7, 3) of trunk and arms, and their radii (7,)."""
-    arms = {
-        side: np.stack([other.site(f"{side}_{joint}", task.start.root).place for joint in _ARM])
-        for side in ("right", "left")
-    }
+    arms = {side: _joints(task, other, side) for side in SIDES}
     top = 0.5 * (arms["right"][0] + arms["left"][0])
     foot = np.array([*other.place[:2], _LOW])
     begins = np.concatenate([foot[None], *(arm[:-1] for arm in arms.values())])

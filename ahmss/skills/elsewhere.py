@@ -17,8 +17,9 @@ from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.reaching.plan import Reaching
 from ahmss.skills.arm_clear import standing_about
+from ahmss.skills.before_it import all_before, around_it
 from ahmss.skills.begun import begun_at
-from ahmss.skills.controls import around_it, before, gone_to
+from ahmss.skills.controls import gone_to
 from ahmss.skills.reaching import Looking
 from ahmss.skills.stands import is_taken, stance_at, standing
 from ahmss.walking import goals
@@ -139,8 +140,7 @@ def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[g
 def _all_around(task: HumanTask) -> Iterator[goals.Goal]:
     """Places before the control, facing as it does; where an arm may be in what it is on, beside it, too, facing it."""
     assert task.object is not None
-    for away, aside in itertools.product(_AWAY, _ASIDE):
-        yield before(task, away, aside)
+    yield from all_before(task, itertools.product(_AWAY, _ASIDE))
     if standing_about(task):
         yield from around_it(task)
 

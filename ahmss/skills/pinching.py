@@ -65,6 +65,7 @@ _REFUSED = 1.0  # as metres: any way that is not refused is better, however near
 _SEEN_CLEAR = 0.008  # metres that the bones of a hand keep, where it is performed, so that no other way is tried
 _MOST_WAYS = 3  # that are tried
 _AS_WELL = 0.001  # metres by which what comes of a way may be worse than was thought, so that no other is tried
+_NEARLY = 0.002  # metres by which a hand may come nearer to what is beside than palms promise, for the same
 _OVER = (0.0, np.pi)  # the thumb on the one side of the part, and on the other: whichever is easier
 
 
@@ -121,13 +122,13 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
 
     def amiss(worked: tuple[_Tried, bool]) -> float:
         """Metres for which one rather stands elsewhere: a hand's neighbours, or a wrist that does not go along."""
-        return worked[0].touches if is_control(task) else worked[0].on_part
+        return worked[0].amiss.touches if is_control(task) else worked[0].on_part
 
     task, gaze, (best, is_last) = yield from or_elsewhere(
         task, gaze, attempt, worth, lambda worked: worked[0].flaw, amiss
     )
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
-    refuse_head_in(task, best.made)
+    refuse_head_in(task, best.made)  # somebody may have come meanwhile
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
         best = replace(best, made=(yield from best.perform(best.plan)))
         _refuse(task, best)
@@ -164,7 +165,7 @@ def _worked_out(
             refused = refused or error
             continue
         best = one if best is None or one.flaw < best.flaw else best
-        if best.flaw <= enough:
+        if best.flaw <= enough or best.amiss.excess <= 0.0:
             break
         each.pop(one.plan.reacher.side, None)
         if one.on_part >= min(most, _REFUSED):  # wherever it comes from
@@ -185,38 +186,58 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
     Raises:
         AlgorithmError: why not.
     """
-    refuse_short(task, tried.plan, tried.short)
+    refuse_short(task, tried.plan, tried.amiss.short)
     if short := _short(task, tried.part, tried.plan, tried.made):
         raise AlgorithmError(short)
     if touching := _touching(task, tried):
         raise touching
     refuse_sunk(task, tried.plan, *_shown(tried.made, tried.back(task)))
-    if tried.loose > _MOST_LOOSE and not is_control(task):  # a control's hand goes as its neighbours leave it room
+    refuse_head_in(task, tried.made)
+    slips = is_control(task)  # whose hand goes as its neighbours leave it room
+    if tried.amiss.loose > _MOST_LOOSE and not slips:
         name = "it" if task.object is None else task.object.name
         raise AlgorithmError(
             f"the {tried.plan.reacher.side} hand would not stay on {name} from here, fingers in it or off it by "
-            f"{1000.0 * tried.loose:.0f} mm; use the other hand, or stand elsewhere"
+            f"{1000.0 * tried.amiss.loose:.0f} mm; use the other hand, or stand elsewhere"
         )
+
+
+@dataclass(frozen=True)
+class _Amiss:
+    """Metres by which a hand misses or touches something on a way.
+
+    flaw: all of them. touches: how much of them is that it comes too near to what is beside the part. excess: what is
+    left of the flaw but for what comes of that with the clearest of the way's palms: no way that is no clearer has
+    less. short: by how many the arm is too short for the part. loose: by how many fingers are in the part, or off it
+    while they should hold it.
+    """
+
+    flaw: float
+    excess: float
+    touches: float
+    short: float
+    loose: float
 
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """What comes of a way: metres by which the hand misses or touches something, and what else it comes to.
+    """What comes of a way.
 
-    touches: how much of them is that it comes too near to what is beside the part. on_part: how much of them while the
-    hand is on the part. short: by how many the arm is too short for the part. loose: by how many fingers are in the
-    part, or off it while they should hold it. way: that of its hand alone. perform: makes a plan's frames anew.
+    amiss: in metres. on_part: how much of its flaw while the hand is on the part. way: that of its hand alone.
+    perform: makes a plan's frames anew.
     """
 
-    flaw: float
-    touches: float
+    amiss: _Amiss
     on_part: float
-    short: float
-    loose: float
     way: Approach
     plan: Plan
     made: Performed
     perform: Callable[[Plan], Generator[Array, None, Performed]]
+
+    @property
+    def flaw(self) -> float:
+        """Metres by which the hand misses or touches something."""
+        return self.amiss.flaw
 
     @property
     def part(self) -> Part:
@@ -267,13 +288,12 @@ def _tried(
         other = yield from so(instead, instead)
         return other if _missed(task, instead, plan, other) < missed else made
 
+    near_by = max(_SEEN_CLEAR - way.gap, 0.0) + _NEARLY if boxes else 0.0  # what comes of the clearest palm
+    known: dict[Performed, _Amiss] = {}
+
     def missed(plan: Plan, made: Performed) -> float:
         either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
         return max(min(either) - _MISSED, 0.0) + (_REFUSED if _short(task, part, plan, made) else 0.0)
-
-    def short(plan: Plan, made: Performed) -> float:
-        then, closed = moved(task, part, plan.palm)
-        return too_short(task, plan, made, then, closed == 1.0)
 
     def touched(plan: Plan, rotations: Array, root: Array) -> float:
         if not boxes:
@@ -281,13 +301,17 @@ def _tried(
         gap, touching = (gap_of(task, plan.reacher.side, rotations, root, near) for near in (boxes, beside(task)))
         return max(_SEEN_CLEAR - gap, 0.0) + (_REFUSED if touching <= -WITHIN else 0.0)
 
-    def flaw(plan: Plan, made: Performed) -> float:
-        side, back = plan.reacher.side, _back(task, part, plan, made)
-        shown = _shown(made, back)
-        far = _REFUSED if short(plan, made) > EXACT else 0.0
-        deep = max(_loose(task, part, plan, made, back, in_part) - _DEEP, 0.0) + rest.depth(side, *shown)
-        deep += beyond(sunk_in(task, side, *shown)[0])
-        return far + missed(plan, made) + crowding(task, made, side) + deep + touched(plan, *shown)
+    def amiss(plan: Plan, made: Performed) -> _Amiss:
+        if made not in known:
+            side, back = plan.reacher.side, _back(task, part, plan, made)
+            shown, (then, closed) = _shown(made, back), moved(task, part, plan.palm)
+            short, touches = too_short(task, plan, made, then, closed == 1.0), touched(plan, *shown)
+            loose = _loose(task, part, plan, made, back, in_part)
+            deep = max(loose - _DEEP, 0.0) + rest.depth(side, *shown) + beyond(sunk_in(task, side, *shown)[0])
+            rest_of_it = (_REFUSED if short > EXACT else 0.0) + missed(plan, made) + crowding(task, made, side) + deep
+            flaw = rest_of_it + touches
+            known[made] = _Amiss(flaw, rest_of_it + max(touches - near_by, 0.0), touches, short, loose)
+        return known[made]
 
     def on_part(plan: Plan, made: Performed) -> float:
         on = np.flatnonzero(moved(task, part, plan.palm)[1] > 0.0)
@@ -295,11 +319,11 @@ def _tried(
         sunk = beyond(sunk_in(task, plan.reacher.side, made.rotations, made.root)[0])
         return missed(plan, made) + touched(plan, made.rotations[on], made.root[on]) + (_REFUSED if sunk else 0.0)
 
-    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, flaw)
-    touches = touched(plan, *_shown(made, _back(task, part, plan, made)))
-    loose = _loose(task, part, plan, made, _back(task, part, plan, made), in_part)
-    amiss = flaw(plan, made), touches, on_part(plan, made), short(plan, made), loose
-    return _Tried(*amiss, way.by(plan.reacher.side), plan, made, perform)
+    def excess(plan: Plan, made: Performed) -> float:
+        return amiss(plan, made).excess
+
+    plan, made = yield from smoothest(task, reaching, goal, gaze, prisms, part.off, perform, excess)
+    return _Tried(amiss(plan, made), on_part(plan, made), way.by(plan.reacher.side), plan, made, perform)
 
 
 def _loose(task: HumanTask, part: Part, plan: Plan, made: Performed, back: Array, in_part: InPart) -> float:

@@ -13,7 +13,7 @@ from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.reaching.plan import Reaching
 from ahmss.skills.stepping import ground_of, walkers
 from ahmss.walking import goals
-from ahmss.walking.obstacles import Obstacles, nearest_free
+from ahmss.walking.obstacles import Obstacles
 
 __all__ = ["CLEAR", "FARTHEST", "facing_it", "is_taken", "stance_at", "standing", "stands_at"]
 
@@ -34,7 +34,8 @@ _OVER = 0.25  # metres over the place, up to which an arm comes over a thing
 def stands_at(task: HumanTask, place: Array) -> list[tuple[float, goals.Goal]]:
     """Where one might stand and face a place (3,), and what each costs, those that serve best first."""
     ground, taken, here = ground_of(task), standing(task), task.start.root[:2]
-    shapes = Obstacles.of(ground.outlines, 0.0).shapes
+    floor = Obstacles.of(ground.outlines, CLEAR)
+    shapes = floor.shapes
     beside = shapely.distance(shapes, shapely.Point(place[:2])) > 0.0
     high = np.array(ground.tops, float) > place[2] + _OVER
     low, walls = shapes[beside & ~high], shapes[beside & high]
@@ -42,7 +43,7 @@ def stands_at(task: HumanTask, place: Array) -> list[tuple[float, goals.Goal]]:
     for away in _AWAY:
         for angle in np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False).tolist():
             wanted = place[:2] + away * np.array([np.cos(angle), np.sin(angle)])
-            free = nearest_free(wanted, ground.outlines, CLEAR)
+            free = floor.nearest_free(wanted)
             stand, length = facing_it(free, place), float(np.linalg.norm(place[:2] - free))
             near = any(float(np.linalg.norm(free - other.place)) < _SAME for _, other in found)
             if length > FARTHEST or near or is_taken(stand, taken):

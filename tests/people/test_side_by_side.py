@@ -110,15 +110,21 @@ def test_nobody_waits_for_an_arm_that_is_not_in_the_way() -> None:
     assert task.notes == []
 
 
-def test_nobody_leans_the_head_into_who_stands_beside() -> None:
-    """It was 50 mm in an upper arm for two seconds, and nothing was said."""
-    body = Body("aiko", 0.0, 0.0, 0.0)
+def bowed(body: Body) -> SimpleNamespace:
+    """A way on which one bends aside, the right arm coming up."""
     made = raised(body)
     turned = np.linspace(0.0, 0.7, len(made.root))
     made.rotations[:, SPINE] = multiply(
         np.stack([np.cos(0.5 * turned), 0.0 * turned, 0.0 * turned, -np.sin(0.5 * turned)], axis=-1),
         made.rotations[:, SPINE],
     )
+    return made
+
+
+def test_nobody_leans_the_head_into_who_stands_beside() -> None:
+    """It was 50 mm in an upper arm for two seconds, and nothing was said."""
+    body = Body("aiko", 0.0, 0.0, 0.0)
+    made = bowed(body)
     heads = forward(made.rotations[[0, -1]], made.root[[0, -1]], body.skeleton.offsets)[0][:, INDEX["head"]]
     way = (heads[1] - heads[0])[:2]
     assert np.linalg.norm(way) > 0.15
@@ -130,6 +136,22 @@ def test_nobody_leans_the_head_into_who_stands_beside() -> None:
                 refuse_head_in(task, made)  # type: ignore[arg-type]
         else:
             refuse_head_in(task, made)  # type: ignore[arg-type]
+
+
+def test_nobody_leans_the_head_to_where_an_arm_will_hang_again_that_works_now() -> None:
+    """He let it down, and the head was 50 mm in it."""
+    body = Body("aiko", 0.0, 0.0, 0.0)
+    made = bowed(body)
+    head = forward(made.rotations[-1], made.root[-1], body.skeleton.offsets)[0][INDEX["head"]]
+    ken = Body("ken", 0.0, 0.0, 0.0)
+    shoulder = forward(ken.rotations, ken.root, ken.skeleton.offsets)[0][ARM]
+    ken = Body("ken", *(head - shoulder)[:2].tolist(), 0.0)  # over the head is his shoulder, from which the arm hangs
+    with pytest.raises(AlgorithmError, match="the head would be"):
+        refuse_head_in(HumanTask(begun(body, None, "", {}, world=[beside(ken)])), made)  # type: ignore[arg-type]
+    ken.rotations = raised(ken).rotations[-1]
+    record = beside(ken)
+    with pytest.raises(AlgorithmError, match="the head would be"):
+        refuse_head_in(HumanTask(begun(body, None, "", {}, world=[record])), made)  # type: ignore[arg-type]
 
 
 @pytest.mark.long
