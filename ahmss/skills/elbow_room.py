@@ -36,8 +36,8 @@ _ARM = ("shoulder", "elbow", "hand", "fingers")
 _THICK = np.array([0.05, 0.042, 0.03])  # metres, around upper arm, forearm, hand
 _TRUNK, _LOW = 0.13, 0.85  # metres: its radius, and from which height on it may be met
 _ALONG = np.array([0.25, 0.5, 0.75, 1.0])[:, None]  # of the own upper arm
-_HEAD, _CROWN = INDEX["head"], np.array([0.09, 0.0, 0.0])  # metres up in the head, to its middle
-_HEAD_THICK, _HEAD_GIVES = 0.1, 0.015  # metres; that it may be in somebody, as it is no ball
+_HEAD, _UP_IT = INDEX["head"], np.array([[0.1, 0.0, 0.0], [0.17, 0.0, 0.0]])  # metres up in the head, to two balls
+_HEAD_THICK, _HEAD_GIVES = np.array([0.09, 0.1]), 0.015  # metres; that it may be in somebody, as it is no balls
 
 
 def others_near(task: HumanTask) -> list[WorldObject]:
@@ -159,10 +159,9 @@ def _own(task: HumanTask, side: str, rotations: Array, root: Array) -> tuple[Arr
 
 
 def _head(task: HumanTask, rotations: Array, root: Array) -> tuple[Array, Array]:
-    """The middle (n, 1, 3) of the own head in poses (n, 43, 4), (n, 3), and its radius (1,)."""
+    """The middles (n, 2, 3) of the balls of the own head in poses (n, 43, 4), (n, 3), and their radii (2,)."""
     places, turned = forward(rotations, root, task.human.offsets)
-    head = places[:, _HEAD] + rotate(turned[:, _HEAD], _CROWN)
-    return head[:, None], np.array([_HEAD_THICK])
+    return places[:, _HEAD, None] + rotate(turned[:, _HEAD, None], _UP_IT), _HEAD_THICK
 
 
 def _hanging(task: HumanTask, other: WorldObject) -> tuple[Array, Array, Array]:
