@@ -64,8 +64,9 @@ def refuse_head_in(task: HumanTask, made: Performed) -> None:
         return
     points, radii = _head(task, made.rotations[::_SPARSE], made.root[::_SPARSE])
     for other in near:
-        segments = (np.concatenate(both) for both in zip(_segments(task, other), _hanging(task, other), strict=True))
-        deep = _nearest((points, radii), tuple(segments)) - _AIR
+        (begins, ends, thick), hanging = _segments(task, other), _hanging(task, other)
+        now_or_then = np.concatenate([begins, hanging[0]]), np.concatenate([ends, hanging[1]])
+        deep = _nearest((points, radii), (*now_or_then, np.concatenate([thick, hanging[2]]))) - _AIR
         if deep > _HEAD_GIVES:
             raise AlgorithmError(
                 f"the head would be {1000.0 * deep:.0f} mm in {other.name}, who stands where one leans to; do it "
