@@ -16,7 +16,7 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import finished
-from ahmss.skills import brought_there, controls
+from ahmss.skills import brought_there, controls, pinching
 from ahmss.skills.box import Box
 from ahmss.skills.controls import front_of
 from ahmss.skills.part_ways import Part
@@ -113,6 +113,22 @@ def test_a_hand_goes_on_until_the_part_is_where_it_is_to_be(
     turns = _Turns(share=share, most=most)
     made = finished(brought_there.brought_there(None, part, None, turns.performed))  # type: ignore[arg-type]
     assert made.goes == pytest.approx(comes, abs=0.0005)
+
+
+def test_a_knob_that_the_hand_does_not_bring_there_is_refused_with_where_it_would(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It was left there, and said to be done."""
+
+    def half_way(*given: Any) -> tuple[np.ndarray, np.ndarray]:
+        first, last = brought_there.held_ends(*given)
+        return first, np.append(0.5 * (first + last)[:3], first[3:])
+
+    monkeypatch.setattr(pinching, "held_ends", half_way)
+    it, body = control("lever"), Body("ken", 0.0, 0.1, 0.0)
+    start = Layout((it,)).start(it, body, "slide", {"level": 0.1}, motion=None, parameters={"level": 0.9})
+    with pytest.raises(AlgorithmError, match=r"would bring panel/lever_1 to 0\.50 instead of 0\.90 from here"):
+        used(body, start, "slide")
 
 
 @pytest.mark.parametrize(
