@@ -44,6 +44,7 @@ def or_elsewhere(
     worth: Callable[[Reaching], float],
     flaw: Callable[[Worked], float],
     amiss: Callable[[Worked], float] = lambda _: 0.0,
+    at_best: float = np.inf,
 ) -> Generator[Array, None, tuple[HumanTask, Looking, Worked]]:
     """What an attempt comes to from where one stands; where it is refused, or much amiss, from elsewhere, after steps.
 
@@ -54,7 +55,8 @@ def or_elsewhere(
         attempt: works it out in frames (1, 260) in which only the gaze moves, for who stands as the task begins; of
             what it came to when it was thought of from there, if it was, it makes the same again where that serves. It
             leaves early what has a greater flaw than so many metres.
-        worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't.
+        worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't. at_best:
+            no stand is worth more.
         flaw: metres by which what an attempt comes to is amiss. amiss: those for which one would rather go elsewhere.
 
     Raises:
@@ -70,7 +72,9 @@ def or_elsewhere(
             refused = error
         if here is not None and (task.library is None or amiss(here) <= _AMISS):
             return task, gaze, here
-        thought = yield from _thought(task, gaze, attempt, worth, flaw, np.inf if here is None else flaw(here))
+        thought = yield from _thought(
+            task, gaze, attempt, (worth, at_best), flaw, np.inf if here is None else flaw(here)
+        )
         if here is not None and (not thought or thought[0][0] > amiss(here) - _WORTH):
             return task, gaze, here
         for _, stand, worked in thought:
@@ -87,7 +91,7 @@ def or_elsewhere(
 
 
 def _thought(
-    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worth: Callable[[Reaching], float],
+    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worth: tuple[Callable[[Reaching], float], float],
     flaw: Callable[[Worked], float], least: float,
 ) -> Generator[Array, None, list[tuple[float, goals.Goal, Worked]]]:  # fmt: skip
     """What attempts come to from other stands, and their flaws, the best first, in frames (1, 260) of thinking.
@@ -95,7 +99,7 @@ def _thought(
     least: the flaw that there is already.
     """
     thought: list[tuple[float, goals.Goal, Worked]] = []
-    for stand in (yield from gaze.during(_stands(task, worth))):
+    for stand in (yield from gaze.during(_stands(task, *worth))):
         worked = yield from _thought_of(task, stand, gaze, attempt, least + _PLAINLY)
         if worked is not None:
             thought.append((flaw(worked), stand, worked))
@@ -123,8 +127,8 @@ def _thought_of(
         yield from gaze.if_there_is_time()
 
 
-def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[goals.Goal]]:
-    """Where else one might stand, the best first."""
+def _stands(task: HumanTask, worth: Callable[[Reaching], float], at_best: float) -> Steps[list[goals.Goal]]:
+    """Where else one might stand, the best first; of those that are as good as can be the first that are found."""
     taken, found = standing(task), list[tuple[float, goals.Goal]]()
     places = [task.start.root[:2]]
     for stand in _all_around(task):
@@ -132,6 +136,8 @@ def _stands(task: HumanTask, worth: Callable[[Reaching], float]) -> Steps[list[g
             continue
         places.append(stand.place)
         found.append((worth(stance_at(task, stand)), stand))
+        if sum(one[0] >= at_best for one in found) == _MOST:
+            break
         yield
     found = [one for one in found if one[0] > -np.inf]
     return [stand for _, stand in sorted(found, key=lambda one: -one[0])][:_MOST]

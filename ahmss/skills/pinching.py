@@ -125,7 +125,7 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         return worked[0].amiss.touches if is_control(task) else worked[0].on_part
 
     task, gaze, (best, is_last) = yield from or_elsewhere(
-        task, gaze, attempt, worth, lambda worked: worked[0].flaw, amiss
+        task, gaze, attempt, worth, lambda worked: worked[0].flaw, amiss, min(ways[0].gap, KEEPS)
     )
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
     refuse_head_in(task, best.made)  # somebody may have come meanwhile
