@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from pathlib import Path
 from types import CodeType
@@ -30,6 +31,7 @@ class _Stamp(NamedTuple):
 _clips: dict[str, tuple[_Stamp, clips.Clip]] = {}
 _resampled: dict[tuple[str, int], tuple[_Stamp, clips.Clip]] = {}
 _libraries: dict[str, tuple[_Stamp, libraries.Library | None]] = {}
+_contents: dict[bytes, libraries.Library | None] = {}  # by what is in the file: each workspace has a copy of its own
 _codes: dict[str, tuple[_Stamp, CodeType]] = {}
 
 
@@ -74,6 +76,8 @@ def resampled(path: str, frames: int) -> clips.Clip:
 def library(path: str) -> libraries.Library | None:
     """A walk library, read again only when its file has changed; its arrays can't be written. None: the file is none.
 
+    Files that say the same are one library.
+
     Raises:
         DataError, OSError: as `ahmss.walking.library.load`.
     """
@@ -81,16 +85,23 @@ def library(path: str) -> libraries.Library | None:
     known = _libraries.get(path)
     if known is not None and known[0] == stamp:
         return known[1]
-    loaded = libraries.load(Path(path)) if libraries.is_library(Path(path)) else None
+    digest = hashlib.sha256(Path(path).read_bytes()).digest()
+    if digest not in _contents:
+        _remember(_contents, digest, _loaded_library(Path(path)))
+    _remember(_libraries, path, (stamp, _contents[digest]))
+    return _contents[digest]
+
+
+def _loaded_library(path: Path) -> libraries.Library | None:
+    loaded = libraries.load(path) if libraries.is_library(path) else None
     for walk in loaded.clips.values() if loaded is not None else ():
         _freeze(walk.rotations, walk.root, walk.bearing)
-    _remember(_libraries, path, (stamp, loaded))
     return loaded
 
 
 def known_libraries() -> list[libraries.Library]:
-    """The walk libraries that have been read."""
-    return [loaded for _, loaded in _libraries.values() if loaded is not None]
+    """The walk libraries that have been read, each once."""
+    return [*{id(loaded): loaded for _, loaded in _libraries.values() if loaded is not None}.values()]
 
 
 def code(path: str) -> CodeType:
@@ -113,8 +124,8 @@ def touch() -> None:
     for _, loaded in (*_clips.values(), *_resampled.values()):
         loaded.rotations.sum()
         repr(loaded.header)
-    for _, loaded in _libraries.values():
-        for key, walk in loaded.clips.items() if loaded is not None else ():
+    for loaded in known_libraries():
+        for key, walk in loaded.clips.items():
             hash(key)
             _freeze(walk.rotations, walk.root, walk.bearing)
     for _, compiled in _codes.values():

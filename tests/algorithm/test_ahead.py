@@ -43,6 +43,17 @@ def test_a_walk_library_is_read_once_until_it_changes(program, tmp_path, monkeyp
     assert cache.library(str(path)).human == "another"
 
 
+def test_the_copies_of_a_walk_library_are_one_that_is_rehearsed_once(tmp_path):
+    before = cache.known_libraries()
+    paths = [tmp_path / name for name in ("walk.npz", "copy.npz", "another.npz")]
+    for path, steps in zip(paths, (7, 7, 8), strict=True):
+        save(Library("tester", 0.7, {STRAIGHT: walk_clip(steps)}), path)
+    one, copy, another = (cache.library(str(path)) for path in paths)
+    assert one is copy
+    assert one is not another
+    assert len(cache.known_libraries()) == len(before) + 2
+
+
 def test_a_clip_is_no_walk_library(tmp_path):
     path = tmp_path / "wave.npz"
     rotations = np.tile([1.0, 0.0, 0.0, 0.0], (4, 43, 1))
