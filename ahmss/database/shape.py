@@ -17,6 +17,7 @@ __all__ = ["Shape", "ShapeLoader"]
 
 _VERSION = b"1"  # of what the conversion makes: a new one leaves what was kept aside
 _ALONE = (".dxf", ".stl", ".ply", ".glb")  # formats that name no other file
+_NAMES_ANOTHER = b"mtllib"  # how a line of an OBJ does
 
 
 class Shape(msgspec.Struct, frozen=True):
@@ -55,7 +56,7 @@ class ShapeLoader:
         return self._shapes.get(key, files, lambda _: self._load(kind, files))
 
     def _load(self, kind: ObjectKind, files: list[Path]) -> Shape:
-        """From the disk's store where it has it: reading DXF takes a library that takes a second to load."""
+        """From the disk's store where it has it: the libraries that read shapes take most of a second to load."""
         kept = _kept_at(kind, files)
         if kept is not None:
             shape = _take(kept)
@@ -72,7 +73,7 @@ class ShapeLoader:
 def _kept_at(kind: ObjectKind, files: list[Path]) -> Path | None:
     """Where the converted shape of these very bytes is kept; None for one that must be read."""
     assert kind.shape is not None
-    if kind.shape.suffix.lower() not in _ALONE:
+    if not _alone(kind.shape):
         return None
     options = (
         kind.shape.suffix.lower(),
@@ -92,6 +93,16 @@ def _kept_at(kind: ObjectKind, files: list[Path]) -> Path | None:
         except OSError:
             return None  # the conversion says what is the matter with it
     return store.place("shapes", digest.hexdigest())
+
+
+def _alone(shape: Path) -> bool:
+    """Whether a shape is all in its file: what another file says of it may change unseen."""
+    if shape.suffix.lower() != ".obj":
+        return shape.suffix.lower() in _ALONE
+    try:
+        return _NAMES_ANOTHER not in shape.read_bytes()
+    except OSError:
+        return False  # the conversion says what is the matter with it
 
 
 def _take(path: Path) -> Shape | None:

@@ -12,7 +12,9 @@ import pytest
 import trimesh
 from PIL import Image
 
-from ahmss.database import Shape, Workspace
+from ahmss.database import Shape, Workspace, convert
+from ahmss.database.convert import convert_shape
+from ahmss.database.records import ObjectKind
 from ahmss.database.texture import box_projection
 from ahmss.errors import DataError
 
@@ -80,6 +82,26 @@ def test_the_same_shape_is_the_same_bytes_in_the_store_and_out_of_it(
     kept = Workspace(workspace.root).objects.shape("thing")
     monkeypatch.setenv("XDG_CACHE_HOME", str(workspace.root / "another"))
     assert kept == first == Workspace(workspace.root).objects.shape("thing")
+
+
+def test_an_obj_is_read_once_unless_another_file_says_its_colours(
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    put(workspace, "t.mtl", "newmtl paint\nKd 1 0 0\n")
+    read = list[Path | None]()
+
+    def converted(workspace: Workspace, kind: ObjectKind) -> Shape:
+        read.append(kind.shape)
+        return convert_shape(workspace, kind)
+
+    monkeypatch.setattr(convert, "convert_shape", converted)
+    for times, obj in ((1, text), (2, f"mtllib t.mtl\n{text}")):
+        read.clear()
+        put(workspace, "t.obj", obj)
+        first = shape_of(workspace, 'shape = "t.obj"')
+        assert Workspace(workspace.root).objects.shape("thing") == first
+        assert len(read) == times
 
 
 def test_a_spoilt_store_is_not_believed(workspace: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
