@@ -175,6 +175,7 @@ def _kept_to(arcs: Array, serve: NDArray[np.bool_]) -> Array:
 def _string(arcs: Array, step: float, paces: Sequence[float]) -> tuple[Array, Any]:
     """Swings (F,) along arcs (F, n, 2), and where they jump; the swing before the first frame is 0."""
     phi, jumps = np.empty(len(arcs)), np.zeros(len(arcs), bool)
+    arcs = arcs[:, : max(int(np.isfinite(arcs[..., 0]).sum(axis=1).max()), 1)]
     steps = [step * pace for pace in paces]
     frame, before = 0, 0.0
     while frame < len(arcs):
@@ -196,14 +197,14 @@ def ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: flo
     What is beyond a limit on one side may come back on the other: the hand is on its way there before, by a step a
     frame.
     """
+    if angles.ndim == 2:  # of a single arm: Python's floats are faster than arrays of one
+        return _eased(angles, ~exact, before, limits, step)
     free = ~exact[..., None]
     low = np.where(free, limits[..., 0], angles)
     high = np.where(free, limits[..., 1], angles)
     for frame in np.flatnonzero(free.reshape(len(free), -1)[:-1].any(axis=-1))[::-1]:
         low[frame] = np.where(free[frame], np.maximum(low[frame], low[frame + 1] - step), low[frame])
         high[frame] = np.where(free[frame], np.minimum(high[frame], high[frame + 1] + step), high[frame])
-    if angles.ndim == 2:  # of a single arm: Python's floats are faster than arrays of one
-        return _eased(angles, free[:, 0], before, (low, high), step)
     out, leaps = angles.copy(), np.zeros(exact.shape, bool)
     for frame in range(len(angles)):
         nearest = np.clip(before, low[frame], high[frame])  # where even this is a leap, it is taken at once
@@ -215,19 +216,23 @@ def ease_hand(angles: Array, exact: Any, before: Array, limits: Array, step: flo
     return out, leaps
 
 
-def _eased(angles: Array, free: Any, before: Array, room: tuple[Array, Array], step: float) -> tuple[Array, Any]:
-    """The same for one arm's angles (F, 3), free (F,), within lowest and highest (F, 3)."""
-    out, leaps = angles.copy(), np.zeros(len(angles), bool)
+def _eased(angles: Array, free: Any, before: Array, limits: Array, step: float) -> tuple[Array, Any]:
+    """The same for one arm's angles (F, 3), free (F,), within limits (F, 3, 2)."""
+    lows = np.where(free[:, None], limits[..., 0], angles).tolist()
+    highs = np.where(free[:, None], limits[..., 1], angles).tolist()
+    for frame in np.flatnonzero(free[:-1])[::-1].tolist():
+        lows[frame] = [max(low, then - step) for low, then in zip(lows[frame], lows[frame + 1], strict=True)]
+        highs[frame] = [min(high, then + step) for high, then in zip(highs[frame], highs[frame + 1], strict=True)]
+    out, leaps, first = angles.tolist(), np.zeros(len(angles), bool), before.tolist()
     for frame in np.flatnonzero(free).tolist():
-        last: list[float] = (before if frame == 0 else out[frame - 1]).tolist()
-        lows, highs = room[0][frame].tolist(), room[1][frame].tolist()
-        for i, (angle, low, high, was) in enumerate(zip(angles[frame].tolist(), lows, highs, last, strict=True)):
+        row, last = out[frame], out[frame - 1] if frame else first
+        for i, (angle, low, high, was) in enumerate(zip(row, lows[frame], highs[frame], last, strict=True)):
             nearest = min(max(was, low), high)
             if abs(nearest - was) > step * (1.0 + 1e-9):
-                out[frame, i], leaps[frame] = nearest, True
+                row[i], leaps[frame] = nearest, True
             else:
-                out[frame, i] = min(max(angle, max(low, was - step)), min(high, was + step))
-    return out, leaps
+                row[i] = min(max(angle, max(low, was - step)), min(high, was + step))
+    return np.array(out), leaps
 
 
 def continuous(links: Array, present: Array) -> Array:

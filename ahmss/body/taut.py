@@ -36,10 +36,12 @@ def corridor(arcs: Array, start: float, steps: Sequence[float]) -> list[Gate]:
     reached: list[list[Gate]] = []
     before: list[Gate] = [(start, start)]
     whole: list[bool] = np.any(arcs[..., 1] - arcs[..., 0] >= _TURN - _WHOLE, axis=-1).tolist()
-    for frame, all_round, step in zip(arcs.tolist(), whole, steps, strict=True):
+    for frame, all_round, step in zip(arcs, whole, steps, strict=True):
         grown = _joined([(low - step, high + step) for low, high in before])
-        parts = [_capped(part, start) for part in grown]
-        before = parts if all_round else [gate for part in parts for gate in _on_arcs(frame, part)]
+        before = [_capped(part, start) for part in grown]
+        if not all_round:
+            allows = frame.tolist()
+            before = [gate for part in before for gate in _on_arcs(allows, part)]
         if not before:
             break
         reached.append(before)
