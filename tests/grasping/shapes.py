@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_matrix
@@ -21,6 +22,7 @@ WORKSPACE = Workspace(ROOT)
 THICK = 0.006  # metres, half of a mug's handle
 MUGS = {"mug46": (0.046, 0.088), "mug36": (0.036, 0.07), "mug25": (0.025, 0.06), "mug_aside": (0.046, 0.088)}
 NEAR = 0.03  # metres beyond which nobody asks how far it is
+TOGETHER = 20_000  # pairs of points and triangles
 
 
 @dataclass(frozen=True)
@@ -140,24 +142,33 @@ def outside(points: Array, triangles: Array, near: float = NEAR) -> Array:
     """
     low, high = points.min(axis=0) - near, points.max(axis=0) + near
     met = triangles[((triangles.max(axis=1) > low) & (triangles.min(axis=1) < high)).all(axis=1)]
+    lows, highs = met.min(axis=1) - near, met.max(axis=1) + near
     found = np.full(len(points), near)
-    for triangle in met:
-        about = (points > triangle.min(axis=0) - near).all(axis=1) & (points < triangle.max(axis=0) + near).all(axis=1)
-        some = points[about]
-        if len(some):
-            on = trimesh.triangles.closest_point(np.repeat(triangle[None], len(some), axis=0), some)
-            found[about] = np.minimum(found[about], np.linalg.norm(on - some, axis=1))
+    for some in _parts(points, met):
+        about = np.ones((len(some), len(met)), bool)
+        for axis, at in enumerate(points[some].T):
+            about &= (at[:, None] > lows[:, axis]) & (at[:, None] < highs[:, axis])
+        point, triangle = np.nonzero(about)
+        if len(point):
+            on = trimesh.triangles.closest_point(met[triangle], points[some][point])
+            np.minimum.at(found, some[point], np.linalg.norm(on - points[some][point], axis=1))
     close = np.flatnonzero(found < near)
     found[close] *= np.where(np.abs(winding(points[close], triangles)) > 0.5, -1.0, 1.0)
     return found
 
 
 def winding(points: Array, triangles: Array) -> Array:
+    """How often (n) triangles go around points (n, 3); coordinates each by itself, (n, T)."""
     total = np.zeros(len(points))
-    for triangle in triangles:
-        a, b, c = (corner - points for corner in triangle)
-        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-        volume = np.einsum("nc,nc->n", a, np.cross(b, c))
-        below = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-        total += np.arctan2(volume, below)
-    return total / (2.0 * np.pi)
+    for some in _parts(points, triangles):
+        a, b, c = (triangles[:, corner, :, None].swapaxes(0, 1) - points[some].T[:, None] for corner in range(3))
+        la, lb, lc = (np.sqrt((v * v).sum(axis=0)) for v in (a, b, c))
+        volume = (a * np.stack([b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2] for i in range(3)])).sum(axis=0)
+        below = la * lb * lc + (a * b).sum(axis=0) * lc + (b * c).sum(axis=0) * la + (c * a).sum(axis=0) * lb
+        total[some] = np.arctan2(volume, below).sum(axis=0) / (2.0 * np.pi)
+    return total
+
+
+def _parts(points: Array, triangles: Array) -> list[NDArray[np.intp]]:
+    """The numbers of the points, so many at a time that what is made of each with each triangle stays at hand."""
+    return np.array_split(np.arange(len(points)), len(points) * len(triangles) // TOGETHER + 1)
