@@ -16,6 +16,7 @@ from ahmss.capture import port
 from ahmss.capture.config import LineConfig, TrackerConfig, UdpConfig
 from ahmss.capture.device import Tracker
 from ahmss.capture.formats import ultratrak
+from ahmss.capture.port import open_port
 from ahmss.capture.stations import Status
 from tests.capture.faked import Fake, truth
 
@@ -113,13 +114,19 @@ def test_a_weak_station_is_marked():
     assert tracker.losses.weak > 0
 
 
-def test_a_port_that_is_not_there():
-    config = TrackerConfig(line=(LineConfig("/dev/ttyNOT_THERE"),))
-    started = time.monotonic()
+def test_a_port_that_is_not_there(monkeypatch):
+    config, asked, begun = TrackerConfig(line=(LineConfig("/dev/ttyNOT_THERE"),)), threading.Event(), []
+
+    def opened_late(line, *given):
+        begun.append(asked.wait(20.0))
+        return open_port(line, *given)
+
+    monkeypatch.setattr(port, "open_port", opened_late)
     with Tracker(config) as tracker:
-        assert time.monotonic() - started < 1.0  # nothing waits for the device
-        assert tracker.poll() == []
+        assert tracker.poll() == []  # nothing waits for the device
+        asked.set()
         assert "/dev/ttyNOT_THERE: no such port; plug the tracker in" in silence_of(tracker, "no such port")
+    assert begun[0]
 
 
 def test_a_file_that_is_no_port(tmp_path):
