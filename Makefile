@@ -1,12 +1,13 @@
 # Everything that a newcomer types: make demo, make test. What is needed is made in .venv.
 
 PYTHON ?= python3
+WORKERS ?= auto
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.installed
 GL := $(VENV)/.gl
 
-.PHONY: demo test test-long lint check-gl clean help
+.PHONY: demo test tests test-long lint style types clean help
 
 help:
 	@echo "make demo        the thesis's scenario in twelve actions: a recording, a film and a contact sheet in out/"
@@ -20,19 +21,25 @@ demo: $(READY) $(GL)
 # What is compiled once is kept, whatever the shell says: each of some hundred processes would compile all of it anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-# The checks come after the tests: what is real time in these starves beside more.
-test: $(READY) $(GL)
-	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
-	@$(MAKE) --no-print-directory lint
+# What is soonest done comes first. The types, which take a minute, are looked at beside the tests, which have precedence.
+test: $(READY) $(GL) style
+	@$(MAKE) --no-print-directory -j 2 tests types
+
+tests: $(READY) $(GL)
+	$(BIN)/pytest -q -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 test-long: $(READY) $(GL)
 	$(BIN)/pytest -q -m long --timeout 1800
 
-lint: $(READY)
+lint: style types
+
+style: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright --warnings
 	$(BIN)/lint-imports
+
+types: $(READY)
+	nice -n 5 $(BIN)/pyright --warnings
 
 # Python 3.11 or newer, a virtual environment, and this package in it with what its tests need.
 $(READY): pyproject.toml

@@ -1,5 +1,6 @@
 """Property tests: the same examples every time, however slow the machine. Files that take longest come first."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,15 @@ LONGEST = (
     "main/test_ways.py", "demo/test_own_arm.py", "demo/test_grip.py", "grasping/test_distance.py",
     "world/test_falling.py", "main/test_waiting.py", "walking/test_captures.py", "capture/test_subject.py",
 )  # fmt: skip
+
+
+_MOST = 8  # workers: with more the longest file decides
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """What `-n auto` means: half as many more than processors, for a test waits for a clock a third of its time."""
+    return min(-(-3 * (os.cpu_count() or 1) // 2), _MOST)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
