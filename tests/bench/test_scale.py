@@ -11,8 +11,6 @@ from PIL import Image
 
 from ahmss.bench.scale import draw
 
-pyplot: Any = pytest.importorskip("matplotlib.pyplot")
-
 REPORT = {
     "humans": [(1, 900.0), (30, 1300.0), (1000, 29000.0)],
     "fused": [(1, 500.0), (8, 1250.0), (32, 4000.0)],
@@ -22,6 +20,7 @@ REPORT = {
 
 
 def test_the_labels_of_an_axis_stand_beside_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pyplot: Any = pytest.importorskip("matplotlib.pyplot")  # here, for it takes most of a second of each worker
     figures: list[Any] = []
     monkeypatch.setattr(pyplot, "close", figures.append)
     draw(REPORT, tmp_path / "plots" / "scale.png")
