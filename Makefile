@@ -11,7 +11,7 @@ GL := $(VENV)/.gl
 
 help:
 	@echo "make demo        the thesis's scenario in twelve actions: a recording, a film and a contact sheet in out/"
-	@echo "make test        all tests and checks, some 8 minutes on two cores"
+	@echo "make test        all tests and checks, some 5 minutes on two cores"
 	@echo "make test-long   soak, fuzz, stalls and further cases"
 	@echo "make lint        ruff, pyright and the direction of imports"
 
