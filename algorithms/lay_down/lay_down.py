@@ -18,7 +18,8 @@ import numpy as np
 from ahmss.algorithm import HumanTask, Transform, run
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
-from ahmss.body.links import fingers
+from ahmss.body.kinematics import forward
+from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.easing import minimum_jerk
@@ -51,6 +52,10 @@ EVERY, DEEP = 3, 0.004  # frames; metres in a thing that an arm may be by what i
 STRETCHED = 0.98  # of the arm's length, at the end: farther one steps nearer
 SURELY = 0.955  # the same from where one will stand
 LATER = 0.55  # seconds by which the head turns later than the hand that has something at it comes off
+BOWED, LOW = (
+    np.cos(np.radians(60.0)),
+    0.6,
+)  # of a trunk: farther one steps nearer; of the hips' height: to what is lower not
 TOUCHES = 0.2  # of the arm on its way, from where on it is tried from elsewhere
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -125,8 +130,8 @@ def _lacks(task: HumanTask, arm: Stretch, most: float = STRETCHED) -> str:
 
 @dataclass(frozen=True)
 class Laid:
-    """POSE rows (n, 260) of it, and its plan; poor: whether the arm is in things, beyond its limits or stretched out;
-    bad: why one had better leave it, as a clause, or "".
+    """POSE rows (n, 260) of it, and its plan; poor: whether the arm is in things, beyond its limits or stretched out,
+    or one bends flat over something; bad: why one had better leave it, as a clause, or "".
     """
 
     rows: Array
@@ -188,9 +193,16 @@ def _performed(
         )
     lacks, depth = _lacks(task, plan.arm), _depth(task, made)
     deep = f"the {task.hand} arm would be {1000.0 * depth:.0f} mm in something" if depth > DEEP else ""
-    poor = bool(lacks or deep) or made.flaw > TOUCHES
+    poor = bool(lacks or deep) or made.flaw > TOUCHES or _bows(task, made.rotations[down], made.root[down], palm[2])
     rows = task.block(made.rotations, made.root, made.importance, made.targets)
     return Laid(rows, made.plan, poor, lacks or deep)
+
+
+def _bows(task: HumanTask, rotations: Array, root: Array, height: float) -> bool:
+    """Whether who is so, (43, 4), (3,), bends flat over something to lay it down that high."""
+    _, turned = forward(rotations, root, task.human.offsets)
+    upright = float(rotate(turned[INDEX["spine"]], np.array([1.0, 0.0, 0.0]))[2])
+    return upright < BOWED and height > LOW * task.start.root[2]
 
 
 def _past_oneself(
