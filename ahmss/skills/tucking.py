@@ -27,7 +27,7 @@ from ahmss.skills.hanging import Hanging
 from ahmss.skills.reaching import prisms_of
 from ahmss.walking.walkers import Walker
 
-__all__ = ["Tucking"]
+__all__ = ["Tucking", "tucked"]
 
 _SIDES: tuple[str, ...] = ("right", "left")
 _ARM = ("upper_arm", "lower_arm")
@@ -46,6 +46,7 @@ _SUNK, _LOW = 0.02, 0.3  # metres under a top on which its skin is, and over it,
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
 _STATURE = 1.72
+_UP = np.array([0.0, 0.0, 1.0])
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
@@ -73,7 +74,7 @@ class Tucking:
         # As they were after each frame of the last piece.
         self._after: dict[str, list[tuple[Array, bool]]] = {side: [] for side in _SIDES}
         self._frames, self._rests, self._last = 0, False, (np.zeros((0, 0)), np.zeros((0, 0)))
-        self._pose = _tucked(task.human) if self._prisms else np.zeros((0, 4))
+        self._pose = tucked(task.human) if self._prisms else np.zeros((0, 4))
         for side in self._already():
             self._level[side][:], self._wanted[side] = 1.0, True
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
@@ -229,13 +230,16 @@ def _about(prisms: Sequence[Prism], root: Array) -> list[Prism]:
     return [p for p in prisms if (p.ring.max(axis=0) > low).all() and (p.ring.min(axis=0) < high).all()]
 
 
-def _tucked(skeleton: Skeleton) -> Array:
-    """A pose (43, 4), both hands before the belly, palms towards it as far as the wrists go, fingers inwards."""
+def tucked(skeleton: Skeleton, higher: float = 0.0) -> Array:
+    """A pose (43, 4), both hands before the belly, palms towards it as far as the wrists go, fingers inwards.
+
+    higher: metres by which they are before the chest instead, of who is 1.72 m tall.
+    """
     rotations, root = skeleton.upright()
     place, turn = floor_frame(rotations, root)
     targets = np.zeros((5, 8))
     for row, sign in enumerate((-1.0, 1.0)):
-        at = _TUCKED * np.array([1.0, sign, 1.0]) * skeleton.stature / _STATURE
+        at = (_TUCKED * np.array([1.0, sign, 1.0]) + higher * _UP) * skeleton.stature / _STATURE
         # Palm to the belly and a little down, the thumb up: x out of the palm, z to the thumb.
         out = np.array([-0.8, 0.0, -0.6])
         up = np.array([-0.6, 0.0, 0.8])

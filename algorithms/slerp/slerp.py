@@ -22,12 +22,12 @@ from ahmss.body.quaternion import slerp as interpolate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.clip import Clip
 from ahmss.motion.easing import minimum_jerk
+from ahmss.motion.steps import Steps
 from ahmss.reaching.standing import Posture
 from ahmss.reaching.trunk_way import between
 from ahmss.skills.at_mouth import with_ease
-from ahmss.skills.hanging import Hanging
+from ahmss.skills.idle_arms import IdleArms
 from ahmss.skills.out_of_reach import come_nearer
-from ahmss.skills.reaching import prisms_of
 from ahmss.skills.staging import Staged, face, stage
 from ahmss.skills.trunk_clear import trunk_kept_clear
 
@@ -65,10 +65,12 @@ def slerp(task: HumanTask) -> Iterator[Array]:
     frames = np.arange(1, task.length + 1)
     if not task.carried:  # who is carried comes nearer, or goes away
         _check_reach(task, staged)
-        idle, k = _Idle(task, staged), 0
-        work = trunk_kept_clear(task, staged)
+        idle, k = IdleArms(task, _idle(task, staged)), 0
+        work = _kept_clear(task, staged, idle)
         while k < task.length:
-            yield idle.over(_block(task, staged, frames[k : k + 1]))  # as soon after the start it is hardly elsewhere
+            yield idle.over(
+                _block(task, staged, frames[k : k + 1]), frames[k : k + 1]
+            )  # as soon after the start it is hardly elsewhere
             k += 1
             try:
                 next(work)
@@ -76,7 +78,7 @@ def slerp(task: HumanTask) -> Iterator[Array]:
                 staged = found.value
                 break
         if k < task.length:
-            yield idle.over(_block(task, staged, frames[k:]))
+            yield idle.over(_block(task, staged, frames[k:]), frames[k:])
         return
     if staged.clip.header.targets == "face":
         yield from _on_the_way(task, staged, frames)
@@ -89,21 +91,20 @@ def slerp(task: HumanTask) -> Iterator[Array]:
         yield _block(task, staged, frames[-1:])
 
 
-class _Idle:
-    """The arms of who stands that a clip does not lead: they keep out of things that the trunk brings them to."""
+def _idle(task: HumanTask, staged: Staged) -> list[str]:
+    """The sides of the arms that the clip does not lead."""
+    led = staged.local[:, : len(HANDS), 7].any(axis=0)
+    return [side for side, leads in zip(HANDS, led, strict=True) if not leads and side not in task.busy]
 
-    def __init__(self, task: HumanTask, staged: Staged) -> None:
-        led = staged.local[:, : len(HANDS), 7].any(axis=0)
-        sides = [side for side, leads in zip(HANDS, led, strict=True) if not leads and side not in task.busy]
-        self._prisms = prisms_of(task)
-        self._arms = [Hanging(task.human, side, task.rate) for side in sides] if self._prisms else []
 
-    def over(self, rows: Array) -> Array:
-        """POSE rows (n, 260), these arms moved aside where they would be in something."""
-        rotations, root = rows[:, 4:176].reshape(-1, 43, 4).copy(), rows[:, 1:4]
-        for arm in self._arms:
-            arm.over(self._prisms, rotations, root)
-        return np.concatenate([rows[:, :4], rotations.reshape(-1, 172), rows[:, 176:]], axis=1)
+def _kept_clear(task: HumanTask, staged: Staged, idle: IdleArms) -> Steps[Staged]:
+    """The clip with trunk and idle arms kept clear of things, in parts."""
+    made = yield from trunk_kept_clear(task, staged)
+    moved = [side for side in _idle(task, made) if made.clip.importance[:, INDEX[f"{side}_upper_arm"]].any()]
+    if moved:
+        rotations, root, _, _ = _poses(task, made, idle.seen)
+        yield from idle.look(moved, rotations, root)
+    return made
 
 
 def _on_the_way(task: HumanTask, staged: Staged, frames: Array) -> Iterator[Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -9,6 +10,7 @@ from ahmss.algorithm import Transform
 from ahmss.body.inverse import grips
 from ahmss.errors import AlgorithmError
 
+from .devices import begun
 from .scene import WORKSPACE
 from .test_taking_up import Scene, in_the_head, in_the_telephone
 
@@ -63,3 +65,18 @@ def test_what_is_at_the_ear_stays_out_of_the_head_as_one_steps_to_where_it_is_la
     assert np.linalg.norm(held.place - laid[0].place) < 0.01
     assert in_the_head(made, shown, laid) < 0.002
     assert np.linalg.norm(laid[-1].place - made.frame.place) < 0.003
+
+
+@pytest.mark.parametrize(("name", "away", "aside"), [("aiko", 0.45, -0.3), ("aiko", 0.45, 0.0)])
+def test_the_hand_that_has_laid_it_down_is_let_down_beside_it(name: str, away: float, aside: float) -> None:
+    """It went straight down through handset and table, moved aside too late: fingers were 12 mm in the handset."""
+    made = scene(name, away, aside)
+    shown = made.goes_on("lay_down", {"rest": "cradle"}, "release", world=made.world, motion=MOTION, busy=["right"])
+    lies = made.both(shown)[-1]
+    about = [*made.world, msgspec.structs.replace(made.named(Transform(lies.place, lies.rotation)), id=7)]
+    stand = WORKSPACE.objects.get("floor").affordances["stand"]
+    start = begun(made.body, None, "", {}, motion=str(stand.motion), frames=60, wish=False, world=about)
+    let_down = made.body.do("slerp", start)
+    assert in_the_telephone(made, let_down, [lies] * len(let_down)) < 0.001
+    hanging = Transform.of(grips(made.body.skeleton, let_down[-1].rotations, let_down[-1].root)[0])
+    assert hanging.place[2] < 0.85
