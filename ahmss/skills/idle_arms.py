@@ -31,6 +31,7 @@ class IdleArms:
 
     def __init__(self, task: HumanTask, sides: Sequence[str]) -> None:
         self._prisms, self._length = in_the_way(prisms_of(task), task.start.root, task.start.root), task.length
+        self._seconds = task.length / task.rate
         sides = sides if self._prisms else ()
         self._arms = [Hanging(task.human, side, task.rate) for side in sides]
         self._ways = {side: InFirst(task.human, side, self._prisms, task.start.rotations) for side in sides}
@@ -49,7 +50,7 @@ class IdleArms:
         for side in sides:
             if side in self._ways:
                 yield
-                yield from self._ways[side].look(self.seen / self._length, rotations, root)
+                yield from self._ways[side].look(self.seen / self._length, self._seconds, rotations, root)
 
     def over(self, rows: Array, frames: Array) -> Array:
         """POSE rows (n, 260) of frames (n), these arms in, or aside, where they would be in something."""

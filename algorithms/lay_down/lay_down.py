@@ -42,7 +42,7 @@ from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, performed, prisms_of
 from ahmss.skills.sunk import SUNK, sunk
 
-OVER, BACK = 0.06, 0.09  # metres over its place to which it comes first; by which the hand is drawn back
+OVER, BACK = 0.06, 0.15  # metres over its place to which it comes first; by which the hand is drawn back
 SINKS, RESTS, OPENS, LEAVES = 0.4, 0.1, 0.3, 0.45  # seconds
 TURNS = np.radians([0.0, -12.0, 12.0])  # of what is laid down anywhere
 ANYHOW = np.radians(np.arange(-180.0, 180.0, 20.0))  # the same where the hand that has it can't so, held at a side, say
