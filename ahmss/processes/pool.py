@@ -252,13 +252,9 @@ class _Pool:
 
 
 def _be_worker(notice: int) -> None:
-    """In the child: a group of its own, no descriptor but the listener and the line to the pool. Does not return.
-
-    It stays in the pool's session: who shares a processor out among sessions (Linux does) counts all algorithms as one,
-    and not each as much as all the mains of a terminal.
-    """
+    """In the child: a session of its own, no descriptor but the listener and the line to the pool. Does not return."""
     try:
-        os.setpgid(0, 0)
+        os.setsid()
         os.dup2(notice, _LISTENER + 1)
         os.closerange(_LISTENER + 2, 1 << 16)
         gc.enable()

@@ -23,7 +23,7 @@ from ahmss.reaching.plan import Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.reaching.reacher import Reacher
 from ahmss.skills.arm_clear import standing_about, sunk_at
-from ahmss.skills.before_it import around_it, before, front_of
+from ahmss.skills.before_it import all_before, around_it, before, front_of
 from ahmss.skills.begun import begun_at
 from ahmss.skills.box import Box, boxes_of, nearest
 from ahmss.skills.out_of_reach import EXACT, MOST_MISSING
@@ -247,8 +247,9 @@ def _before_it(
     """Hands, and for each where one stands, so far to the hand's other side and so far away, facing as the control."""
     places = list(places)
     for side in _sides(task, goal):
-        for aside, away in places:
-            yield side, before(task, away, aside if side == "right" else -aside)
+        own = 1.0 if side == "right" else -1.0
+        for stand in all_before(task, [(away, own * aside) for aside, away in places]):
+            yield side, stand
 
 
 def _easiest(

@@ -62,8 +62,9 @@ class Hanging:
         points = _gone_on(points)
         radii = radii + (_AIR - AIR)
         room = float(radii.max()) + AIR
-        ends = points.min(axis=(0, 1)) - room - _MOVES, points.max(axis=(0, 1)) + room + _MOVES
-        prisms = [prism for prism in prisms if prism.meets(*ends)]
+        low, high = points.min(axis=(0, 1)) - room - _MOVES, points.max(axis=(0, 1)) + room + _MOVES
+        low, high = low.tolist(), high.tolist()
+        prisms = [prism for prism in prisms if not prism.is_beyond(low, high)]
         gap = (clearance(prisms, points, room) - radii).min(axis=-1) - AIR if prisms else np.full(len(points), np.inf)
         under = [~prism.over(root) for prism in prisms]
         moved = np.zeros((len(rotations), 3))

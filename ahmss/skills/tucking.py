@@ -33,6 +33,7 @@ _SIDES: tuple[str, ...] = ("right", "left")
 _ARM = ("upper_arm", "lower_arm")
 _LEAST, _ENOUGH = 0.045, 0.12  # metres from a hand to things: nearer it is drawn in, farther let down again
 _BESIDE, _FIRST = 0.25, 240  # metres, frames: who sets out from beside a thing turns there, and is careful for so long
+_ASKED = 0.26  # metres: what is farther from a hand than both of these is not asked how far
 _SEEN = 40  # frames that are looked ahead
 # Seconds of each of three lags one after the other, by which an arm sets out and arrives softly; the same of one whose
 # hand comes from elsewhere than where it hangs, and turns for that, too.
@@ -40,7 +41,7 @@ _LAG, _LAG_COMING = 0.09, 0.16
 _OTHERS = 0.6  # radians from what a walk has given: an arm that is so far off is another motion's
 _COMES, _MOVES, _STRAY = 60, 0.02, 0.1  # frames, radians, radians: what sets out from elsewhere comes, and how straight
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
-_RESTS = 1e-6  # by so little the arms of who stands go on: they have come to where they stay
+_RESTS = 1e-4  # by so little a row differs from the last of who stands: arms have come to where they stay
 _NONE = 1e-4  # so little an arm is not drawn in any more
 _SUNK, _LOW = 0.02, 0.3  # metres under a top on which its skin is, and over it, that a hand may be which is let down
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
@@ -112,11 +113,12 @@ class Tucking:
         others = self._others(self._frames)
         begun, self._frames = self._frames, self._frames + len(rows)
         given, last = self._last
-        stands = np.array_equal(rows, given)  # who waits gives one row again and again
-        if stands and self._rests and not others:
+        stands = rows.shape == given.shape and not (np.abs(rows - given) > _RESTS).any()  # who waits does not change
+        turns = begun < self._first <= begun + len(rows)  # from here on less is enough
+        if stands and self._rests and not others and not turns:
             return last.copy()
         made = self._made(rows, others, begun)
-        self._rests = stands and begun >= self._first and bool(np.abs(made - last).max() < _RESTS)
+        self._rests = stands and not turns and bool(np.abs(made - last).max() < _RESTS)
         if not len(self._given):
             self._first_given = made[0, 4:176].reshape(43, 4).copy()
         self._given, self._last = made[-1, 4:176].reshape(43, 4).copy(), (rows.copy(), made.copy())
@@ -158,7 +160,7 @@ class Tucking:
                 share = np.array([self._comes_to(side, 0.0) for _ in rows])
                 self._hanging[side].forget()
             else:
-                gap = clearance(near, _points(self._skeleton, places, turned, side)).min(axis=-1)
+                gap = clearance(near, _points(self._skeleton, places, turned, side), _ASKED).min(axis=-1)
                 share = np.array(self._levels(side, gap, begun))
             arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
             end = align(np.broadcast_to(self._pose[arm], rotations[:, arm].shape), rotations[:, arm])
@@ -226,8 +228,8 @@ def _points(skeleton: Skeleton, places: Array, turned: Array, side: str) -> Arra
 
 def _about(prisms: Sequence[Prism], root: Array) -> list[Prism]:
     """The prisms that come within an arm's length of the hips (n, 3) on their way."""
-    low, high = root[:, :2].min(axis=0) - _NEAR, root[:, :2].max(axis=0) + _NEAR
-    return [p for p in prisms if (p.ring.max(axis=0) > low).all() and (p.ring.min(axis=0) < high).all()]
+    low, high = (root[:, :2].min(axis=0) - _NEAR).tolist(), (root[:, :2].max(axis=0) + _NEAR).tolist()
+    return [prism for prism in prisms if not prism.is_beyond((*low, -np.inf), (*high, np.inf))]
 
 
 def tucked(skeleton: Skeleton, higher: float = 0.0) -> Array:

@@ -13,7 +13,6 @@ def tells(task: HumanTask):
         "pid": os.getpid(),
         "parent": os.getppid(),
         "session": os.getsid(0),
-        "group": os.getpgid(0),
         "descriptors": sorted(int(name) for name in os.listdir("/proc/self/fd")),
         "directory": os.getcwd(),
         "argv": sys.argv,
