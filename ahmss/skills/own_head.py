@@ -48,7 +48,8 @@ def head_points(skeleton: Skeleton) -> Array:
     rows, columns = np.nonzero(wide)
     up, back = _UP - 0.5 * _STEP * rows, _BACK + 0.5 * _STEP * columns
     points = [np.stack([up, share * 1e-3 * wide[rows, columns], back], axis=-1) for share in _ACROSS]
-    return skeleton.stature / _STATURE * np.concatenate(points)
+    scale = skeleton.stature / _STATURE
+    return np.asarray(scale * np.concatenate(points), np.float64)
 
 
 def head_of(skeleton: Skeleton, rotations: Array, root: Array) -> Transform:
