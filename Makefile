@@ -6,6 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.installed
 GL := $(VENV)/.gl
+TYPES := $(VENV)/.types
 
 .PHONY: demo test tests test-long lint style types clean help
 
@@ -22,8 +23,9 @@ demo: $(READY) $(GL)
 unexport PYTHONDONTWRITEBYTECODE
 
 # What is soonest done comes first. The types, which take a minute, are looked at beside the tests, which have precedence.
+# What they say is said again at the end, where one looks.
 test: $(READY) $(GL) style
-	@$(MAKE) --no-print-directory -j 2 tests types
+	@$(MAKE) --no-print-directory -j 2 tests types || { echo "the types, above beside the tests:"; tail -n 12 $(TYPES); exit 1; }
 
 tests: $(READY) $(GL)
 	$(BIN)/pytest -q -n $(WORKERS) --dist loadfile --no-loadscope-reorder
@@ -39,7 +41,7 @@ style: $(READY)
 	$(BIN)/lint-imports
 
 types: $(READY)
-	nice -n 5 $(BIN)/pyright --warnings
+	@nice -n 5 $(BIN)/pyright --warnings > $(TYPES); status=$$?; cat $(TYPES); exit $$status
 
 # Python 3.11 or newer, a virtual environment, and this package in it with what its tests need.
 $(READY): pyproject.toml
