@@ -48,6 +48,8 @@ class Parameter(msgspec.Struct, frozen=True):
         if self.type == "str":
             if isinstance(value, str):
                 return value
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                return f"{value:g}"  # a word of digits
         elif self.type == "bool":
             if isinstance(value, bool) or value in ("true", "false"):
                 return value in (True, "true")

@@ -267,7 +267,8 @@ def _in_words(parameter: Parameter, usual: object) -> str:
         words.append(f"{'any' if low is None else f'{low:g}'} to {'any' if high is None else f'{high:g}'}")
     if parameter.unit:
         words.append(parameter.unit)
-    if usual is not None:
+    stands_for_other = low is not None and isinstance(usual, int | float) and usual < low  # nobody is to type it
+    if usual is not None and not stands_for_other:
         words.append(f"(usually {usual})")
     return " ".join(words) + (f": {parameter.sentence}" if parameter.sentence else "")
 

@@ -1,6 +1,7 @@
 """An arm that uses a control, with its hand, is in nothing that stands about: a console's plate, say, under it.
 
-What is beside a control is looked at elsewhere (`clearing`): here it is the things that fill more than a control does.
+Where the hand is in what is beside a control is looked at elsewhere (`clearing`): here it is the things that fill more
+than a control does, and for the arm without the hand what is beside as well.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism, clearance, in_the_way
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import ARM, bare_arm, gaps, hand_skin
-from ahmss.skills.box import filled
+from ahmss.skills.box import boxes_of, filled, nearest
 
 __all__ = ["beyond", "refuse_sunk", "standing_about", "sunk_at", "sunk_in"]
 
+_NEAR = 0.6  # metres from a control, in which others are looked at
 _EVERY = 2  # frames that are looked at
 _STANDS_BEFORE = 0.9  # metres from a thing, of who may take the place from which another could do it
 _LARGE = 0.25  # metres across, or high: what is smaller is a control, or as one
@@ -44,9 +46,24 @@ def sunk_in(task: HumanTask, side: str, rotations: Array, root: Array) -> tuple[
     points, radii = np.concatenate([arm[0], hand[0]], axis=-2), np.concatenate([arm[1], hand[1] - _SLACK])
     deepest = (-np.inf, "")
     for thing, prisms in _things(task):
-        gap = clearance(prisms, points, float(radii.max())) - radii
-        deepest = max(deepest, (float((np.minimum(gap[0], 0.0) - gap).max()), thing.name))
+        deepest = max(deepest, (_deeper(clearance(prisms, points, float(radii.max())) - radii), thing.name))
+    beside = _beside(task)
+    deep = _deep_in(beside, *arm)
+    if deep > max(deepest[0], 0.0):
+        deepest = deep, max(beside, key=lambda thing: _deep_in([thing], *arm)).name
     return deepest if deepest[0] > 0.0 else (deepest[0], "")
+
+
+def _deep_in(things: Sequence[WorldObject], points: Array, radii: Array) -> float:
+    """The same for points (n, m, 3) with radii (m,) in the boxes of things."""
+    boxes = [box for thing in things for box in boxes_of(thing)]
+    gap = nearest(boxes, points.reshape(-1, 1, 3), float(radii.max())).reshape(points.shape[:-1]) - radii
+    return _deeper(gap)
+
+
+def _deeper(gap: Array) -> float:
+    """Metres by which skin with such gaps (n, m) is in a thing at the most, deeper than at first."""
+    return float((np.minimum(gap[0], 0.0) - gap).max())
 
 
 def sunk_at(reaching: Reaching, palms: Mapping[str, Array], place: Array, plates: Sequence[Prism]) -> float:
@@ -110,6 +127,15 @@ def _things(task: HumanTask) -> Iterator[tuple[WorldObject, list[Prism]]]:
         prisms = [one for one in filled(thing) if _large(one) and (at is None or clearance([one], at, 0.0)[0] > 0.0)]
         if prisms:
             yield thing, prisms
+
+
+def _beside(task: HumanTask) -> list[WorldObject]:
+    """The controls beside the one that is used."""
+    if task.object is None or "box" not in task.object.properties:
+        return []
+    at = task.object.place
+    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < _NEAR]
+    return [thing for thing in near if "box" in thing.properties and thing.id != task.object.id]
 
 
 def _large(prism: Prism) -> bool:

@@ -29,6 +29,7 @@ from ahmss.skills.box import Box, boxes_of, nearest
 from ahmss.skills.out_of_reach import EXACT, MOST_MISSING
 from ahmss.skills.reaching import Looking, prisms_of, sides_of
 from ahmss.skills.sighting import Sighting
+from ahmss.skills.sitting import seat_of
 from ahmss.skills.stands import is_taken, stance_at, standing
 from ahmss.skills.stepping import ground_of, stepped, walk_library
 from ahmss.walking import goals
@@ -121,7 +122,7 @@ def _stood(
         return task, gaze
     reaching = Reaching(task.human, task.start.rotations, task.start.root)
     here = yield from gaze.during(_stretch(task, reaching, goal))
-    inside = _stands_in(task)
+    inside = "" if seat_of(task) else _stands_in(task)
     if inside:
         task.note(f"steps out of {inside}, which was moved onto where one stands")
     elif here.stretched < _FROM_HERE and here.found and _faces(task):

@@ -35,7 +35,7 @@ __all__ = [
     "Approach", "Grip", "Part", "approaches", "clearer", "grip_of", "kept_from", "lasting", "on_part", "open_hand",
 ]  # fmt: skip
 
-_NEARLY = 0.0004  # metres
+_NEARLY = 0.0004  # metres: as good as the clearest
 _AWAY = (0.5, 1.0)  # shares of a part's `off` at which it is looked whether they are clear
 _SHARES = np.array([0.0, 0.5, 1.0])  # of its way at which it is
 _MOST = 0.03  # metres: what keeps more is as clear as can be

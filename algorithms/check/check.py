@@ -19,6 +19,7 @@ from ahmss.body.quaternion import rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.reacher import heading_of
 from ahmss.skills.controls import before, front_of, gone_to
+from ahmss.skills.keeping import kept_clear
 from ahmss.skills.reaching import HEAD, Looking
 from ahmss.skills.stands import is_taken, standing
 from ahmss.walking.goals import Goal
@@ -32,9 +33,16 @@ ASIDE, OBLIQUE = np.radians(70.0), np.radians(60.0)  # that the head turns aside
 def check(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): steps to where it can be read, if needed; the head turns to it, and stays so a while.
 
+    What is in a hand is kept out of what stands there.
+
     Raises:
         AlgorithmError: the action names no site; it can't be read while another motion carries the body away.
     """
+    return kept_clear(task, _check(task))
+
+
+def _check(task: HumanTask) -> Iterator[Array]:
+    """The frames (n, 260)."""
     if task.site is None or task.object is None:
         raise AlgorithmError("check needs a site: the face of what is read, its x out of it")
     gaze = Looking(task, task.site.place)

@@ -73,3 +73,24 @@ def test_a_finger_in_a_plate_counts_as_the_arm_does() -> None:
     assert 0.01 < deep < 0.06
     assert name == "console"
     assert sunk_in(task, "left", np.tile(rotations, (3, 1, 1)), root + away)[0] <= 0.0
+
+
+def test_a_forearm_in_a_neighbour_of_what_the_hand_is_at_counts_too() -> None:
+    """A hand that came at a switch with its clearest palms had the forearm 7 mm in the lever beside it."""
+    body = Body("ken")
+    rotations, root = body.skeleton.upright()
+    places = forward(rotations, root, body.skeleton.offsets)[0]
+    elbow, wrist = (places[INDEX[f"right_{link}"]] for link in ("lower_arm", "hand"))
+    x, y, z = (0.5 * (elbow + wrist)).tolist()
+    small = {"box": [[-0.02, -0.02, -0.02], [0.02, 0.02, 0.02]]}
+    lever = msgspec.structs.replace(device("lever", at(x, y, z)), id=20, name="lever_8", properties=small)
+    switch = device("rotary_switch", at(x, y, z - 0.3))
+    task = HumanTask(begun(body, switch, "knob", {}, world=[lever]))
+    away = np.array([[-2.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    poses = np.tile(rotations, (3, 1, 1))
+    deep, name = sunk_in(task, "right", poses, root + away)
+    assert deep > 0.02
+    assert name == "lever_8"
+    assert sunk_in(task, "left", poses, root + away)[0] <= 0.0
+    elsewhere = HumanTask(begun(body, device("rotary_switch", at(x - 2.0, y, z)), "knob", {}, world=[lever]))
+    assert sunk_in(elsewhere, "right", poses, root + away)[0] <= 0.0  # what is far from the control is not beside it

@@ -171,6 +171,14 @@ def test_a_parameter_may_be_bounded_by_the_state_that_another_names() -> None:
     assert fill(declared, {"level": 0.5})["level"] == 0.5
 
 
+def test_a_word_of_digits_is_a_word() -> None:
+    """`position=3` was "3.0 is no str", and the positions that there are were not told."""
+    word = Parameter("str")
+    assert [word.convert(value) for value in ("a", 3.0, 12, 0.5)] == ["a", "3", "12", "0.5"]
+    with pytest.raises(ValueError, match="True is no str"):
+        word.convert(True)
+
+
 def test_parameters_are_filled_converted_and_ranged() -> None:
     declared = {
         "speed": Parameter("float", default=1.0, minimum=0.0),

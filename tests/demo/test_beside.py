@@ -84,3 +84,25 @@ def test_who_comes_to_a_door_from_afar_turns_the_head_to_its_lever_in_no_haste(t
     head = shown.rotations[:, INDEX["head"]]
     turned = np.linalg.norm(to_rotation_vector(multiply(conjugate(head[:-1]), head[1:])), axis=-1)
     assert np.degrees(turned.max()) < 5.0
+
+
+READING = """
+add control_room
+add table at 0.5 -1.1 0 facing -90
+add cup at 0.36 -0.75 0.88
+human {human} body {human} at 0.4 -0.2 facing -90
+do cup grasp
+do cup lift
+do gauge_3 check
+wait 0.2
+"""
+
+
+@pytest.mark.parametrize("human", BOTH)
+def test_who_reads_a_gauge_over_a_console_keeps_what_is_in_the_hand_out_of_it(tmp_path: Path, human: str) -> None:
+    """A cup was 113 mm in the console for eight seconds, and the hand with it."""
+    (tmp_path / "beside.txt").write_text(READING.format(human=human))
+    setup = PlaySetup(workspace=ROOT, fast=True, record=tmp_path / "r.rec")
+    assert play_script(tmp_path / "beside.txt", setup).failures == 0
+    skin = met(tmp_path / "r.rec", human, ROOT, 3, 0.004)
+    assert [one for one in skin if one.thing.startswith("control_room/panel")] == []
