@@ -97,6 +97,11 @@ def refuse_sunk(task: HumanTask, plan: Plan, rotations: Array, root: Array) -> N
     deep, name = sunk_in(task, plan.reacher.side, rotations, root)
     if deep > SUNK:
         assert task.object is not None
+        if name in [thing.name for thing in _beside(task)]:
+            raise AlgorithmError(
+                f"{name} is in the way of an arm at {task.object.name}, which would be {1000.0 * deep:.0f} mm in it "
+                "however it comes; move one of the two, or use it with the other hand"
+            )
         arm = f"the {plan.reacher.side} arm would be {1000.0 * deep:.0f} mm in {name} however it comes to"
         if others := _before(task, task.object):
             raise AlgorithmError(

@@ -15,7 +15,9 @@ KINDS = ("lever", "rotary_switch", "gauge")
 DOES = {
     "lever": ("slide", {"level": 1.0}), "gauge": ("check", {}), "rotary_switch": ("turn", {"along": 0.6}),
 }  # fmt: skip
-REFUSED = re.compile(r"too short for it|panel/\w+ is in the way of a hand at panel/\w+, which would be \d+ mm in it")
+REFUSED = re.compile(
+    r"too short for it|panel/\w+ is in the way of an? (hand|arm) at panel/\w+, which would be \d+ mm in it"
+)
 FAST, ALL = (2, 3), (0, 1, *range(4, 50))  # in 1 a lever is tried with many a stance
 
 
