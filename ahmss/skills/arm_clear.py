@@ -20,10 +20,10 @@ from ahmss.reaching.prism import Prism, clearance, in_the_way
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import ARM, bare_arm, gaps, hand_skin
 from ahmss.skills.box import boxes_of, filled, nearest
+from ahmss.skills.neighbours import neighbours
 
 __all__ = ["beyond", "refuse_sunk", "standing_about", "sunk_at", "sunk_in"]
 
-_NEAR = 0.6  # metres from a control, in which others are looked at
 _EVERY = 2  # frames that are looked at
 _STANDS_BEFORE = 0.9  # metres from a thing, of who may take the place from which another could do it
 _LARGE = 0.25  # metres across, or high: what is smaller is a control, or as one
@@ -135,12 +135,9 @@ def _things(task: HumanTask) -> Iterator[tuple[WorldObject, list[Prism]]]:
 
 
 def _beside(task: HumanTask) -> list[WorldObject]:
-    """The controls beside the one that is used."""
-    if task.object is None or "box" not in task.object.properties:
-        return []
-    at = task.object.place
-    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < _NEAR]
-    return [thing for thing in near if "box" in thing.properties and thing.id != task.object.id]
+    """The controls beside the one that is used; none where none is."""
+    is_control = task.object is not None and "box" in task.object.properties
+    return neighbours(task) if is_control else []
 
 
 def _large(prism: Prism) -> bool:

@@ -15,7 +15,7 @@ from ahmss.body.quaternion import from_axis_angle, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.reaching.reacher import SIDES
 from ahmss.skills.box import Box, boxes_of, nearest
-from ahmss.skills.controls import NEAR
+from ahmss.skills.neighbours import neighbours
 
 __all__ = ["KEEPS", "WITHIN", "gap_of", "offs", "refuse_touching"]
 
@@ -62,10 +62,7 @@ def refuse_touching(task: HumanTask, side: str, rotations: Array, root: Array, b
         return
     assert task.object is not None
     points = _points(task, side, rotations, root)
-    depth: dict[str, float] = {}
-    for thing in task.world.values():
-        if float(np.linalg.norm(thing.place - task.object.place)) < NEAR and "box" in thing.properties:
-            depth[thing.name] = -float(nearest(boxes_of(thing), points, _FAR).min())
+    depth = {thing.name: -float(nearest(boxes_of(thing), points, _FAR).min()) for thing in neighbours(task)}
     name = max(depth, key=lambda name: depth[name], default="")
     if name and depth[name] > WITHIN:
         raise AlgorithmError(

@@ -26,6 +26,7 @@ from ahmss.skills.arm_clear import standing_about, sunk_at
 from ahmss.skills.before_it import all_before, around_it, before, front_of
 from ahmss.skills.begun import begun_at
 from ahmss.skills.box import Box, boxes_of, nearest
+from ahmss.skills.neighbours import neighbours
 from ahmss.skills.out_of_reach import EXACT, MOST_MISSING
 from ahmss.skills.reaching import Looking, prisms_of, sides_of
 from ahmss.skills.sighting import Sighting
@@ -37,13 +38,10 @@ from ahmss.walking.journey import Standing, footing
 from ahmss.walking.obstacles import NEAREST, Obstacles
 
 __all__ = [
-    "NEAR", "around_it", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_control",
+    "around_it", "before", "beside", "clear_of", "front_of", "gone_to", "in_the_way", "is_control",
     "stood_before",
     "stretch_from",
 ]  # fmt: skip
-
-NEAR = 0.6
-"""Metres from a control within which others are looked at."""
 
 _UP = np.array([0.0, 0.0, 1.0])
 _SKIN, _NEARLY = 0.012, 0.002  # metres that the bones of a hand keep from what is beside a control
@@ -76,11 +74,7 @@ def is_control(task: HumanTask) -> bool:
 
 def beside(task: HumanTask) -> list[Box]:
     """What the other controls fill near the one that is used."""
-    if task.object is None:
-        return []
-    at = task.object.place
-    near = [thing for thing in task.world.values() if float(np.linalg.norm(thing.place - at)) < NEAR]
-    return [box for thing in near if "box" in thing.properties for box in boxes_of(thing)]
+    return [box for thing in neighbours(task) for box in boxes_of(thing)]
 
 
 def clear_of(boxes: Sequence[Box], palms: Array, points: Array) -> Array:
