@@ -113,8 +113,8 @@ frames = 0
 
 [affordances.look]
 sentence = "Turn the head to it."
-human_algorithm = "slerp"
-motion = "../television/look.npz"
+human_algorithm = "look"
+motion = "../floor/walk.npz"
 site = "keys"
 frames = 60
 """

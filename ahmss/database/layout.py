@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -79,19 +80,21 @@ def new_object(workspace: Workspace, name: str) -> Path:
         folder.mkdir()
         (folder / f"{name}.dxf").write_text(_box(5.0, 10.0), encoding="ascii")
         file = folder / "object.toml"
-        file.write_text(_OBJECT.format(name=name, affordance=_look(workspace)), encoding="utf-8")
+        file.write_text(_OBJECT.format(name=name, affordance=_look(workspace, folder)), encoding="utf-8")
     except OSError as error:
         raise CommandError(f"{workspace.label(folder)}: can't be written ({error.strerror or error})") from None
     return file
 
 
-def _look(workspace: Workspace) -> str:
-    """An action that works at once: to look at it as the television is looked at; nothing where there is no such."""
+def _look(workspace: Workspace, folder: Path) -> str:
+    """An action of the object in a folder that works at once: it is looked at as the television is, if there is one."""
     try:
         television = workspace.objects.get("television").affordances["look"]
     except (AhmssError, KeyError):
         return ""
-    motion = f'motion = "../television/{television.motion.name}"\n' if television.motion else ""
+    motion = ""
+    if television.motion is not None:
+        motion = f'motion = "{Path(os.path.relpath(television.motion, folder)).as_posix()}"\n'
     return _AFFORDANCE.format(
         action="look",
         sentence="Look at it.",

@@ -168,7 +168,7 @@ class Mind:
         """Get a picture of what is before your eyes, and the list of what you see. It takes some seconds.
 
         Args:
-            at: an object to turn the eyes to, or "x y z" in metres; left out, where your head faces.
+            at: an object to turn the eyes to, even behind you, or "x y z" in metres; left out, where your head faces.
             names: whether names are written into the picture.
         """
         with self.human() as client:
@@ -178,7 +178,8 @@ class Mind:
                 raise CommandError(f'at "{at}": a place has three numbers, x y z in metres')
             seen = words.objects(client.seen())
             data = picture(self.server or me.server, me.human, target, names=names, keys=self.server_keys)
-        return [Image(data=data, format="png"), seen or "You see no object from here."]
+            told = [words.behind(me, at, target)] if at else []
+        return [Image(data=data, format="png"), *filter(None, told), seen or "You see no object from here."]
 
     # How
 

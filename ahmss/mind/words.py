@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 from ahmss.client import Affordances, Person, Result, Self, Thing
 from ahmss.port.schema import Action
 
-__all__ = ["affordances", "objects", "outcome", "person", "self_told"]
+__all__ = ["affordances", "behind", "objects", "outcome", "person", "self_told"]
 
 _ASKS = {
     "goal_position": "needs `to`: x y z in metres, or an object's name",
@@ -13,6 +16,7 @@ _ASKS = {
     "goal_posture": "needs `pose`: a motion clip",
     "hand": "takes `hand`: left or right",
 }
+_BEHIND = 90.0  # degrees aside: what is farther round nobody sees over their shoulder
 _OVER = ("done", "failed", "cancelled")
 
 
@@ -56,6 +60,21 @@ def _where(distance: float, direction: float) -> str:
     else:
         side = f"{abs(direction):.0f} degrees to the {'left' if direction > 0.0 else 'right'}"
     return f"{distance:.1f} m {side}"
+
+
+def behind(me: Self, what: str, place: Sequence[float]) -> str:
+    """What is to be said of a picture of a place (metres) behind the human: how to turn there; "" where it is ahead."""
+    x, y = place[0] - me.place[0], place[1] - me.place[1]
+    bearing = math.degrees(math.atan2(y, x))
+    aside = (bearing - me.facing_deg + 180.0) % 360.0 - 180.0
+    if abs(aside) <= _BEHIND:
+        return ""
+    side = "left" if aside > 0.0 else "right"
+    return (
+        f"{what} is behind you, {abs(aside):.0f} degrees to the {side}: the picture shows what you see once you have "
+        f'turned. To turn: act(object="floor", action="walk", to="{me.place[0]:.2f} {me.place[1]:.2f}", '
+        f"facing_deg={bearing:.0f})."
+    )
 
 
 def affordances(told: Affordances, *, parameters: bool = True) -> str:

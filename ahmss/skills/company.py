@@ -16,12 +16,11 @@ from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
-from ahmss.skills.facing import faced
+from ahmss.skills.facing import BEHIND, faced
 
 __all__ = ["Watching", "aside_of", "eye_of", "settled"]
 
 _EYES = "eyes"
-_BEHIND = np.radians(115.0)  # from straight ahead: farther round neither neck nor waist goes
 _SECONDS = 0.3  # in which the gaze comes and goes
 _FASTEST = np.radians(240.0)  # a second, that the head turns at the most: who is farther aside is looked at more slowly
 _PEAK = 1.875  # of a minimum-jerk way, against its mean speed
@@ -73,7 +72,7 @@ class Watching:
         watching = cls.of(task)
         if watching is None:
             return task, None
-        task = yield from faced(task, watching.eyes, _BEHIND, watching.whom.name)
+        task = yield from faced(task, watching.eyes, BEHIND, watching.whom.name)
         return task, cls(task, watching.whom)
 
     @property

@@ -19,7 +19,9 @@ from ahmss.skills.stepping import walk_library
 from ahmss.walking.goals import Goal
 from ahmss.walking.journey import Standing, footing
 
-__all__ = ["faced"]
+__all__ = ["BEHIND", "faced"]
+
+BEHIND = np.radians(115.0)  # from straight ahead: farther round neither neck nor waist goes
 
 
 def faced(task: HumanTask, place: Array, most: float, name: str) -> Generator[Array, None, HumanTask]:

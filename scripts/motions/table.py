@@ -1,4 +1,4 @@
-"""What is done at the table: looking up, reaching for the cup, lifting it, drinking. Keyframes."""
+"""What is done at the table: reaching for the cup, lifting it, drinking. Keyframes."""
 
 from __future__ import annotations
 
@@ -44,17 +44,10 @@ class Key:
 def clips(skeleton: Skeleton, scene: Scene) -> dict[str, Clip]:
     """Clips by their path in objectdb/."""
     return {
-        "television/look.npz": look(skeleton),
         "cup/reach.npz": reach(skeleton, scene),
         "cup/lift.npz": lift(skeleton, scene),
         "cup/drink.npz": drink(skeleton, scene),
     }
-
-
-def look(skeleton: Skeleton) -> Clip:
-    """The gaze on the site; nothing else is moved."""
-    key = Key(1.0, STANDING, gaze=np.zeros(3))
-    return keyframes(skeleton, "site", {"head": 1.0}, key)
 
 
 def reach(skeleton: Skeleton, scene: Scene) -> Clip:

@@ -10,7 +10,7 @@ from ahmss.algorithm import Transform, frames
 from ahmss.algorithm.messages import Goal
 from ahmss.algorithm.performance import Performance
 from ahmss.body.arm import Arm, hand_angles
-from ahmss.body.inverse import GAZE, RIGHT_HAND, grips
+from ahmss.body.inverse import RIGHT_HAND, grips
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import from_axis_angle, multiply, norm, rotate
@@ -19,7 +19,7 @@ from ahmss.motion.planting import feet
 from ahmss.skills.staging import lips
 
 from .reached import outlined
-from .scene import CUP, FLOOR, ROOT, TELEVISION, Body, frame_of, program, record
+from .scene import CUP, FLOOR, ROOT, Body, frame_of, program, record
 
 CHAIR, BEFORE_CHAIR = "room/chair", (1.80, 0.2, 180.0)  # where a human stands to sit down
 REACH = {"motion": str(ROOT / "objectdb" / "cup" / "reach.npz"), "parameters": {"arc": 0.09}, "frames": 60}
@@ -66,16 +66,6 @@ def test_the_left_hand_does_what_the_right_does() -> None:
     body = Body(y=-0.3, facing=20.0)  # the cup before it as before the right hand, seen in a mirror
     body.do("slerp", body.start(CUP, "reach", hand="left", **REACH))
     assert 0.05 < np.hypot(*(body.grip(1).place - frame_of(CUP).place)[:2]) < 0.09
-
-
-def test_the_gaze_is_on_the_screen_from_the_first_frame() -> None:
-    body = Body()
-    poses = list(frames(program("slerp"), body.start(TELEVISION, "look")))
-    screen = frame_of(TELEVISION).apply(np.array([0.1, 0.0, 0.82]))
-    np.testing.assert_allclose([pose.targets[GAZE, :3] for pose in poses], np.tile(screen, (len(poses), 1)), atol=1e-6)
-    assert {pose.targets[GAZE, 7] for pose in poses} == {1.0}
-    assert poses[0].importance[INDEX["head"]] == 1.0
-    assert poses[0].importance[INDEX["right_hand"]] == 0.0
 
 
 def test_a_held_cup_is_put_where_it_shall_be() -> None:

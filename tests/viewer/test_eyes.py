@@ -56,6 +56,27 @@ def test_the_eyes_turn_to_a_place_whatever_the_head_does() -> None:
     assert project(np.array([2.0, 0.0, 1.1]), view, SIZE)[:2] == pytest.approx([160.0, 120.0], abs=0.5)
 
 
+@pytest.mark.parametrize("heading", [135.0, 225.0])
+def test_the_own_trunk_is_in_no_picture_wherever_the_eyes_turn(draw: Draw, heading: float) -> None:
+    made = stage(np.radians(heading))
+    made.move_object(1, np.array([1.2, 0.0, 0.2]), UNTURNED)
+    picture = draw(made, view_of(made, "ken", (1.2, 0.0, 0.2)))
+    red = (picture[..., 0] > 80) & (picture[..., 0] > 2.5 * picture[..., 1])
+    assert red[105:135, 145:175].all()
+
+
+def test_the_trunk_of_others_and_ones_own_shadow_are_as_they_are() -> None:
+    made = stage()
+    rotations, root = SKELETON.upright()
+    made.add_human(10, "aiko", SKELETON.offsets, plain_figure(SKELETON), SKELETON.eye)
+    made.pose_human(10, rotations, root + np.array([1.0, 0.0, 0.0]))
+    view_of(made, "ken")
+    own, other = (sum(len(batch.faces) for batch in made.actors[number].batches) for number in (9, 10))
+    assert sum(len(batch.faces) for batch, _ in made.moving()) == own + other  # as the sun sees them
+    limbs = sum(len(batch.faces) for batch, _ in made.moving(seen=True)) - other
+    assert 0.5 * own < limbs < own
+
+
 def test_the_aim_goes_with_the_eyes_and_says_whose_there_are(painter: Painter) -> None:
     made = stage()
     aim = Aim(ViewOptions(eyes="ken", headless=True))

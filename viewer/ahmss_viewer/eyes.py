@@ -20,7 +20,7 @@ _FIELD = np.radians(75.0)  # from top to bottom: near to what two eyes take in a
 def view_of(stage: Stage, name: str, target: Sequence[float] | None = None) -> View:
     """The view from a human's eyes at a place, or along its line of sight; level, as one sees the world.
 
-    Its own head is not in the picture: faces are drawn from outside only, and nothing nearer than 5 cm.
+    Of its own body the limbs alone are in the picture, wherever the eyes turn.
 
     Args:
         stage: with the human on it.
@@ -32,6 +32,7 @@ def view_of(stage: Stage, name: str, target: Sequence[float] | None = None) -> V
     """
     for actor in stage.actors.values():
         if actor.name == name:
+            stage.see_by(actor.id)
             place, ahead = line_of_sight(actor.places[INDEX["head"]], actor.head, actor.eye)
             at = place + ahead if target is None else np.array(target, float)
             return look_at(place, at, float(_FIELD))

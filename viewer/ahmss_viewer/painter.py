@@ -76,7 +76,7 @@ class Painter:
         GL.glClear(GL.GL_DEPTH_BUFFER_BIT)
         T_clip_world = view.projection(size[0] / size[1]) @ np.linalg.inv(view.pose())
         self._light(T_clip_world, view)
-        for batch, T_world_model in stage.moving():
+        for batch, T_world_model in stage.moving(seen=True):
             self._draw_solid(batch, T_world_model)
         identity = np.eye(4)
         for batch in stage.still():

@@ -21,6 +21,7 @@ from ahmss_viewer.thing import Piece, Thing, box_of
 
 __all__ = ["Actor", "Piece", "Stage", "Thing"]
 
+_TRUNK = [INDEX["hips"], INDEX["spine"], INDEX["head"]]
 _REST = 30  # pictures without a movement after which an object is merged again
 
 
@@ -29,7 +30,7 @@ class Actor:
     """A human on the stage.
 
     offsets (43, 3), eye (3,): as its skeleton has them. head (4,): the rotation of its head, world <- head.
-    places (43, 3): its joints in the world. facing (3,): where its hips point, level.
+    places (43, 3): its joints in the world. facing (3,): where its hips point, level. limbs: what it sees of itself.
     """
 
     id: int
@@ -42,6 +43,7 @@ class Actor:
     facing: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
     eye: Array = field(default_factory=lambda: np.zeros(3))
     head: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
+    limbs: tuple[Batch, ...] = ()
 
 
 class Stage:
@@ -55,6 +57,7 @@ class Stage:
         self._textures: dict[bytes, pyrender.Texture | None] = {}
         self._lifted: dict[int, Thing] = {}
         self._batches: dict[int, tuple[Surface, Batch]] = {}
+        self._seer: int | None = None
 
     # objects
 
@@ -136,7 +139,7 @@ class Stage:
         actor = self.actors.pop(number, None)
         if actor is not None:
             self.scene.remove_node(actor.node)
-            for batch in actor.batches:
+            for batch in (*actor.batches, *actor.limbs):
                 batch.delete()
 
     def pose_human(self, number: int, rotations: Array, root: Array) -> None:
@@ -149,8 +152,14 @@ class Stage:
         ahead = -T_world_link[0, :3, 2] * np.array([1.0, 1.0, 0.0])
         actor.facing = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
         links = (T_world_link @ actor.inverse_binds)[:, :3].astype(np.float32)
-        for batch in actor.batches:
+        for batch in (*actor.batches, *actor.limbs):
             batch.links = links
+
+    def see_by(self, number: int) -> None:
+        """Show what a human sees: of its own body the limbs alone, for head, collar and chest would fill the picture."""
+        actor, self._seer = self.actors[number], number
+        if not actor.limbs:
+            actor.limbs = tuple(_without_trunk(batch) for batch in actor.batches)
 
     # what the painter asks
 
@@ -161,10 +170,10 @@ class Stage:
             if batch is not None:
                 yield batch
 
-    def moving(self) -> Iterator[tuple[Batch, Array]]:
-        """What moves, each with T_world_model: humans first, then objects."""
+    def moving(self, *, seen: bool = False) -> Iterator[tuple[Batch, Array]]:
+        """What moves, each with T_world_model: humans first, then objects. seen: as whom it is seen by sees it."""
         for actor in self.actors.values():
-            for batch in actor.batches:
+            for batch in actor.limbs if seen and actor.id == self._seer else actor.batches:
                 yield batch, np.eye(4)
         for thing in self._lifted.values():
             yield from thing.drawn()
@@ -242,6 +251,17 @@ class Stage:
         if known is None:  # holds the surface, so that its id stays its own
             known = self._batches[id(surface)] = (surface, Batch.of(surface, self._texture(surface.image)))
         return known[1]
+
+
+def _without_trunk(batch: Batch) -> Batch:
+    """The faces of a human that neither head nor trunk move."""
+    held = batch.vertices["weights"] * np.isin(batch.vertices["joints"], _TRUNK)
+    free = ~held.any(axis=1)
+    limbs = Batch(
+        batch.vertices, batch.faces[free[batch.faces].all(axis=1)], batch.texture, influences=batch.influences
+    )
+    limbs.links = batch.links
+    return limbs
 
 
 def _same(a: Array | None, b: Array | None) -> bool:
