@@ -112,9 +112,9 @@ class Client:
         """Make one motion, once those before are done.
 
         Args:
-            object: its name, or the place x, y[, z] where it is, metres.
+            object: its name, or the place x, y[, z] where it is, metres; a text as "0.2 -0.9" is one, too.
             action: one of those that it affords.
-            to: the goal, x, y[, z] in metres or another object's name.
+            to: the goal, likewise: x, y[, z] in metres or another object's name.
             facing_deg: where to face at the goal, degrees about z from +x.
             hand: "left" or "right"; left out: the nearer free one.
             pose: a clip whose last frame is the goal's posture.

@@ -12,6 +12,7 @@ from ahmss.main.suggesting import nearest, some
 
 __all__ = ["find_object", "refuse_another"]
 
+_PLACE = (2, 3)
 _NUMBER = re.compile(r"[-+]?\d*\.?\d+")
 
 
@@ -30,6 +31,8 @@ def find_object(scene: Scene, name: str) -> str:
         return meant[0]
     if meant:
         raise CommandError(f'which "{name}"? there are: {", ".join(meant)}')
+    if len(name.split()) in _PLACE and all(_NUMBER.fullmatch(word) for word in name.split()):
+        raise CommandError(f'"{name}" is a place, and was given as a name; give it as numbers, as in: to {name}')
     if all(_NUMBER.fullmatch(word) for word in name.split()):
         raise CommandError(f'"{name}" is no place; a place is X Y or X Y Z, in metres')
     near = nearest(name, scene.objects)

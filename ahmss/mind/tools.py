@@ -15,13 +15,15 @@ from typing import Any
 from mcp.server.mcpserver import Context, Image, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp_types import CallToolResult, InputRequiredResult, Tool
+from pydantic import ValidationError
 
 from ahmss.client import Client, Handle
-from ahmss.database.document import one_of
 from ahmss.errors import AhmssError, CommandError, NoAnswer, PortRefused
 from ahmss.main.command import Wait, parse
 from ahmss.mind import words
+from ahmss.mind.arguments import unknown, wrong
 from ahmss.mind.picture import picture
+from ahmss.port.acts import place_in
 
 __all__ = ["Mind", "make_server"]
 
@@ -112,12 +114,10 @@ class Mind:
             wait_s: seconds to wait for its end, 0 to 300; it goes on after that, and wait tells its end.
         """
         with self.human() as client:
-            place, goal = _numbers(object), _numbers(to)
             handle = client.do(
-                place or object, action, to=goal or to, facing_deg=facing_deg, hand=hand, frames=frames,
-                parameters=parameters,
-            )  # fmt: skip
-            return self._end(client, handle, wait_s, "" if place else object)
+                object, action, to=to, facing_deg=facing_deg, hand=hand, frames=frames, parameters=parameters
+            )
+            return self._end(client, handle, wait_s, "" if place_in(object) else object)
 
     def do(self, line: str, wait_s: float = 60.0) -> str:
         """Do several actions at once or one after another, by one line; wait for the end as act does.
@@ -173,7 +173,7 @@ class Mind:
         """
         with self.human() as client:
             me = client.me()
-            target = _numbers(at) or (client.object(at).place if at else ())
+            target = place_in(at) or (client.object(at).place if at else ())
             if at and len(target) != 3:
                 raise CommandError(f'at "{at}": a place has three numbers, x y z in metres')
             seen = words.objects(client.seen())
@@ -234,7 +234,10 @@ def make_server(mind: Mind) -> MCPServer[Any]:
 
 
 class _Server(MCPServer[Any]):
-    """Refuses an argument that a tool does not have: without it, something else would be done than was asked."""
+    """Refuses an argument that a tool does not have, or that is of a wrong type, in a sentence that says what to give.
+
+    Without the first, something else would be done than was asked.
+    """
 
     async def list_tools(self) -> list[Tool]:
         """All tools; their schemas say that they have no other arguments."""
@@ -244,21 +247,19 @@ class _Server(MCPServer[Any]):
     async def call_tool(
         self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
     ) -> CallToolResult | InputRequiredResult:
-        """What a tool says. ToolError: it has no such argument; says which it has, or as the tool does."""
-        for known in (tool.input_schema["properties"] for tool in await self.list_tools() if tool.name == name):
-            for argument in arguments:
-                if argument not in known:
-                    raise ToolError(f'{name}: no argument "{argument}"{one_of(argument, known)}')
-        return await super().call_tool(name, arguments, context)
-
-
-def _numbers(text: str) -> tuple[float, ...]:
-    """Two or three numbers, if the text is that; else nothing."""
-    try:
-        found = tuple(float(word) for word in text.replace(",", " ").split())
-    except ValueError:
-        return ()
-    return found if len(found) in (2, 3) else ()
+        """What a tool says. ToolError: it takes no such argument, or as the tool says."""
+        tool = next((tool for tool in await self.list_tools() if tool.name == name), None)
+        if tool is not None and (refused := unknown(name, arguments, tool.input_schema)):
+            raise ToolError(refused)
+        try:
+            return await super().call_tool(name, arguments, context)
+        except ToolError as error:
+            if tool is None or not isinstance(error.__cause__, ValidationError):
+                raise
+            (argument, *_) = error.__cause__.errors()[0]["loc"]
+            raise ToolError(
+                wrong(name, arguments, str(argument), tool.input_schema, tool.description or "")
+            ) from error.__cause__
 
 
 def _seconds(seconds: float) -> float:

@@ -21,7 +21,7 @@ def look(task: HumanTask) -> Iterator[Array]:
     """Frames (n, 260): steps around on the spot if it is behind; then the gaze on it, as fast as a head turns.
 
     Raises:
-        AlgorithmError: the action names no site; it is behind, and nobody turns around in so few frames, or as they sit.
+        AlgorithmError: the action names no site; it is behind, and one can't turn around in so few frames, or sits.
     """
     if task.site is None or task.object is None:
         raise AlgorithmError("look needs a site: the place that is looked at")

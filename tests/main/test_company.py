@@ -130,6 +130,8 @@ def test_humans_are_listed_among_the_objects_with_what_they_afford(pair: tuple[M
         find_object(ken.communication, "aika")
     with pytest.raises(CommandError, match="is no place; a place is X Y or X Y Z"):
         find_object(ken.communication, "1 2 -3 0.4")
+    with pytest.raises(CommandError, match=r"is a place, and was given as a name; give it as numbers, .*: to 0.2 -0.9"):
+        find_object(ken.communication, "0.2 -0.9")
 
 
 def test_what_is_held_changes_what_is_afforded_and_to_whom(pair: tuple[MainProcess, MainProcess]) -> None:

@@ -6,6 +6,7 @@ import io
 import re
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,7 +59,9 @@ def test_a_plan_is_followed_from_refusal_to_refusal_until_the_cup_is_lifted(at_t
     low, high = float(ranged[1]), float(ranged[2])
     assert "a whole number from 1" in mind.wrong("act", object=cup, action=second, frames=0)
     assert "`left` or `right`" in mind.wrong("act", object=cup, action=second, hand="both")
-    assert "valid integer" in mind.wrong("act", object=cup, action=second, frames="many")
+    assert 'frames "many" is not a whole number; give a whole number: how long it takes, 60 to' in mind.wrong(
+        "act", object=cup, action=second, frames="many"
+    )
     told = mind.right("act", object=cup, action=second, parameters={"diameter": 0.5 * (low + high)}, frames=30)
     assert "it affords now: lift, drink, carry, put, release" in told
     assert "done after" in mind.right("act", object=cup, action="lift")
@@ -66,6 +69,32 @@ def test_a_plan_is_followed_from_refusal_to_refusal_until_the_cup_is_lifted(at_t
     assert "has no top that things are put on; say a place" in mind.wrong("act", object=cup, action="put", to="chair")
     assert "done after" in mind.right("act", object=cup, action="put", to="table")
     assert "You hold room/cup in the " in mind.right("where_am_i")
+
+
+@pytest.mark.parametrize(
+    ("tool", "given", "said"),
+    [
+        ("act", {"object": "cup", "action": "look", "facing_deg": "north"},
+         'act: facing_deg "north" is not a number; give a number: which way to face at the goal, degrees: 0 is +x'),
+        ("act", {"object": "cup", "action": "put", "to": [0.2, -0.9]},
+         'act: to [0.2, -0.9] is not a text; give a text: the goal: another object\'s name, or "x y" or "x y z"'),
+        ("act", {"object": "cup", "action": "put", "parameters": {"diameter": [1]}},
+         'act: parameters {"diameter": [1]} is not names with their values'),
+        ("act", {"object": "cup"}, 'act: the argument "action" is missing; it is a text: one that what_can_i_do lists'),
+        ("look", {"names": "perhaps"}, 'look: names "perhaps" is not true or false; give true or false: whether names'),
+        ("wait", {"number": "first"}, 'wait: number "first" is not a whole number; give a whole number: of a line'),
+        ("wait", {"seconds": "long"}, 'wait: seconds "long" is not a number; give a number: how long at most, 0'),
+        ("do", {"line": 3}, "do: line 3 is not a text; give a text: begins with do"),
+        ("what_can_i_do", {}, 'what_can_i_do: the argument "object" is missing; it is a text: its name as'),
+    ],
+)  # fmt: skip
+def test_what_is_of_a_wrong_type_is_told_in_one_sentence_with_what_to_give(
+    at_the_table: Collaborator, tool: str, given: dict[str, Any], said: str
+) -> None:
+    told = at_the_table.wrong(tool, **given)
+    assert told.startswith(said)
+    assert "\n" not in told
+    assert "pydantic" not in told
 
 
 def test_lines_are_done_at_once_and_go_on_while_others_are_asked(at_the_table: Collaborator) -> None:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from ahmss.errors import CommandError
 from ahmss.main import command
+from ahmss.port.acts import act
 from ahmss.port.grammar import line_of
 from ahmss.port.schema import Act
 
@@ -55,6 +56,13 @@ def test_every_act_comes_back_from_its_line_as_it_was_sent(sent: Act) -> None:
 def test_a_name_that_is_a_keyword_or_a_number_is_quoted_and_a_plain_one_is_not() -> None:
     assert line_of([Act("cup", "reach")]) == "do cup reach"
     assert line_of([Act("to", "3", to_object="then")]) == 'do "to" "3" to "then"'
+
+
+@pytest.mark.parametrize("text", ["0.2 -0.9", "0.2, -0.9"])
+def test_a_text_of_numbers_is_a_place_as_the_dialogue_takes_it(text: str) -> None:
+    assert act("floor", "walk", to=text) == act("floor", "walk", to=(0.2, -0.9))
+    assert act(text, "look") == act((0.2, -0.9), "look")
+    assert act("3", "look", to="gauge 3") == Act("3", "look", to_object="gauge 3")
 
 
 def test_acts_are_fused_or_follow_each_other_and_an_object_may_be_named_by_its_place() -> None:

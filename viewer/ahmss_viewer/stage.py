@@ -156,7 +156,7 @@ class Stage:
             batch.links = links
 
     def see_by(self, number: int) -> None:
-        """Show what a human sees: of its own body the limbs alone, for head, collar and chest would fill the picture."""
+        """Show what a human sees: of its own body the limbs alone, for its collar would fill the picture."""
         actor, self._seer = self.actors[number], number
         if not actor.limbs:
             actor.limbs = tuple(_without_trunk(batch) for batch in actor.batches)
@@ -255,11 +255,9 @@ class Stage:
 
 def _without_trunk(batch: Batch) -> Batch:
     """The faces of a human that neither head nor trunk move."""
-    held = batch.vertices["weights"] * np.isin(batch.vertices["joints"], _TRUNK)
-    free = ~held.any(axis=1)
-    limbs = Batch(
-        batch.vertices, batch.faces[free[batch.faces].all(axis=1)], batch.texture, influences=batch.influences
-    )
+    held: NDArray[Any] = (batch.vertices["weights"] * np.isin(batch.vertices["joints"], _TRUNK)).max(axis=1)
+    faces = batch.faces[np.equal(held[batch.faces].max(axis=1), 0)]
+    limbs = Batch(batch.vertices, faces, batch.texture, influences=batch.influences)
     limbs.links = batch.links
     return limbs
 
