@@ -30,7 +30,9 @@ def up(
     human: Annotated[str, typer.Option(help="The human's name.")] = "ken",
     body: Annotated[str, typer.Option(help="Which body of humandb; left out: of that name.")] = "",
     scene: Annotated[str, typer.Option(help="A kind of object to add at first; empty: none.")] = "room",
-    address: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where the server listens.")] = "",
+    address: Annotated[
+        str, typer.Option(metavar="HOST:PORT", help="Where the server listens, and on the port after it.")
+    ] = "",
     port: Port = "",
     workspace: Workspace = None,
 ) -> None:
@@ -42,7 +44,13 @@ def up(
 
 
 def server(
-    address: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="Where to listen; other machines: 0.0.0.0.")] = "",
+    address: Annotated[
+        str,
+        typer.Option(
+            metavar="HOST[:PORT]",
+            help="Where to listen, and on the port after it for snapshots; other machines: 0.0.0.0.",
+        ),
+    ] = "",
     record: Annotated[Path | None, typer.Option(help="A file that every tick is written to.")] = None,
     directory: Annotated[Path | None, typer.Option(help="Where the world stays over a restart.")] = None,
     keys: Keys = None,

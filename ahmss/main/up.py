@@ -16,7 +16,7 @@ from ahmss.main.demo import has_display
 from ahmss.main.process import Setup
 from ahmss.port.address import address_of
 from ahmss.world.address import Address, parse
-from ahmss.world.ports import check_host, free_port, is_taken
+from ahmss.world.ports import check_host
 from ahmss.world.process import ServerProcess
 
 __all__ = ["KeptServer", "run_up"]
@@ -98,12 +98,7 @@ def _server(address: Address) -> KeptServer:
             f"`ahmss up` listens for this machine alone, as on 127.0.0.1:{address.port}, not on {address}; for others: "
             f"ahmss keys, ahmss server --address {address} --keys keys, then ahmss main and ahmss view"
         )
-    try:
-        return KeptServer(str(address))
-    except WorldError as error:
-        if not is_taken(address):
-            raise
-        raise WorldError(f"{error}, as in: ahmss up --address {address.host}:{free_port(address)}") from None
+    return KeptServer(str(address))
 
 
 def _say(text: str) -> None:

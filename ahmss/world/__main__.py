@@ -22,7 +22,11 @@ __all__ = ["main"]
 def main(arguments: list[str] | None = None) -> int:
     """Serve until SIGTERM, SIGINT."""
     parser = argparse.ArgumentParser(prog="python -m ahmss.world", description=__doc__)
-    parser.add_argument("--address", default="", help="HOST:PORT; port 0 lets the system choose")
+    parser.add_argument(
+        "--address",
+        default="",
+        help="HOST:PORT; snapshots are on the port after it; port 0 lets the system choose both",
+    )
     parser.add_argument("--rate", type=float, default=60.0, help="ticks a second")
     parser.add_argument("--lockstep", default="", help="names of the humans to wait for, with commas between")
     parser.add_argument("--directory", type=Path, help="where the world stays over a restart")

@@ -11,7 +11,7 @@ from ahmss.world.address import Address
 from ahmss.world.doorkeeper import Doorkeeper
 from ahmss.world.keys import ServerKeys
 from ahmss.world.link import LARGEST_MESSAGE
-from ahmss.world.ports import check_host
+from ahmss.world.ports import check_host, free_port, is_taken
 from ahmss.world.schema import Done, Reply, encode
 
 __all__ = ["WAIT_MS", "Sockets"]
@@ -46,9 +46,7 @@ class Sockets:
             self.address, self.snapshots = self._bind_both(address)
         except zmq.ZMQError as error:
             self._context.destroy(0)
-            raise WorldError(
-                f"the server can't listen on {address}: {error.strerror}; stop what is there or name another port"
-            ) from error
+            raise WorldError(f"the server can't listen on {address}: {_why_not(address, error)}") from error
 
     def close(self) -> None:
         """Close all; what was sent just before is given 0.1 s to leave."""
@@ -126,6 +124,17 @@ class Sockets:
                 raise  # other machines are let through to these two ports
             self.publisher.bind(anywhere)
         return Address(address.host, port), _port(self.publisher)
+
+
+def _why_not(address: Address, error: zmq.ZMQError) -> str:
+    """Why a server can't listen on an address: which of its two ports is taken, and which pair is free."""
+    if error.errno != zmq.EADDRINUSE or address.path:
+        return f"{error.strerror}; stop what is there or name another address"
+    taken = address.port if is_taken(address) else address.port + 1
+    return (
+        f"another program has port {taken} (a server has two, the one named and the one after it, for snapshots); "
+        f"stop what is there, or name another, as in: --address {address.host}:{free_port(address)}"
+    )
 
 
 def _port(listener: zmq.Socket[bytes]) -> int:

@@ -42,7 +42,7 @@ def test_a_server_that_dies_comes_back_with_what_was_placed() -> None:
 
 def test_a_busy_port_is_answered_with_one_that_is_free() -> None:
     with KeptServer("127.0.0.1:0") as server:
-        with pytest.raises(AhmssError, match=r"Address already in use.* as in: ahmss up --address") as caught:
+        with pytest.raises(AhmssError, match=r"another program has port .* as in: --address") as caught:
             run_up("ken", "", "", server.address, None)
         port = int(re.findall(r":(\d+)", str(caught.value))[-1])
         assert port != int(server.address.rpartition(":")[2])

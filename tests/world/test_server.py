@@ -11,7 +11,10 @@ from ground import ROOT, ROTATIONS, eventually, join, row
 from ahmss.errors import Unreachable, WorldError
 from ahmss.world import frame as frames
 from ahmss.world import schema
+from ahmss.world.address import Address
+from ahmss.world.keys import make, read_server
 from ahmss.world.schema import NewObject, ObjectPose
+from ahmss.world.sockets import Sockets
 
 
 def cup_and_tray(client):
@@ -368,8 +371,26 @@ def test_no_server_is_one_sentence(connect):
 
 def test_a_port_that_is_taken_is_one_sentence(start):
     server = start()
-    with pytest.raises(WorldError, match="can't listen"):
+    with pytest.raises(WorldError, match=r"can't listen .* has port \d+ .* as in: --address 127\.0\.0\.1:\d+$"):
         start(address=server.address)
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+def test_a_server_says_which_of_its_two_ports_another_program_has(tmp_path, host):
+    """On loopback snapshots go elsewhere; other machines are let through to the port after the named one alone."""
+    make(tmp_path)
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        taken = other.getsockname()[1]
+        address, keys = (host, taken), None
+        if host == "0.0.0.0":
+            address, keys = (host, taken - 1), read_server(tmp_path)
+        with pytest.raises(WorldError) as caught:
+            Sockets(Address(*address), keys)
+    said = str(caught.value)
+    assert f"another program has port {taken} (a server has two, the one named and the one after it, for snap" in said
+    assert f"; stop what is there, or name another, as in: --address {host}:" in said
 
 
 def test_a_file_system_socket_serves_as_well(start, connect, tmp_path):
