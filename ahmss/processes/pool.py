@@ -28,6 +28,7 @@ from ahmss.processes import ahead, worker
 from ahmss.processes.child import GREETING, Request
 from ahmss.processes.rehearsal import rehearse
 from ahmss.processes.runtime import Meeting, code_stamp, sweep
+from ahmss.processes.turn import take_long_turns
 
 __all__ = ["main"]
 
@@ -255,6 +256,7 @@ def _be_worker(notice: int) -> None:
     """In the child: a session of its own, no descriptor but the listener and the line to the pool. Does not return."""
     try:
         os.setsid()
+        take_long_turns()
         os.dup2(notice, _LISTENER + 1)
         os.closerange(_LISTENER + 2, 1 << 16)
         gc.enable()
