@@ -82,6 +82,11 @@ class Mover:
         return process is not None and process.active and bool(process.pending or self.frames)
 
     @property
+    def awaited(self) -> bool:
+        """Whether it is behind, and is still to be waited for in this frame."""
+        return self.behind and self.process is not None and not self.process.overdue
+
+    @property
     def watches(self) -> bool:
         """Whether its algorithm is to see what the human does now; it will, where its claim is still to be granted."""
         if self.process is None:

@@ -60,7 +60,7 @@ class Moving:
             self._launcher.wait(asked, until - time.monotonic())
             for mover in self._claims.movers:
                 self._collect(mover, motions)
-            goes_on = any(mover.behind for mover in self._claims.movers) and time.monotonic() < until
+            goes_on = any(mover.awaited for mover in self._claims.movers) and time.monotonic() < until
         rows: list[list[float]] = []
         for mover in self._claims.movers:
             mover.stay(blending.grips)

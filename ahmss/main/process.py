@@ -97,7 +97,7 @@ class MainProcess:
             self._client.close()
             raise
         self.blending = Blending(model.skeleton, rotations, root, setup.rate)
-        launcher = Launcher(deadlines=deadlines, notice=say)
+        launcher = Launcher(deadlines=deadlines, notice=say, once=not setup.lockstep)
         for entry, motion in self.database.walks():  # a library takes longer to read than a motion may take to start
             launcher.prepare(entry, motion)
         launcher.expect(programs(self.workspace))

@@ -60,13 +60,20 @@ class Launcher:
         warm: take Python algorithms from the pool; without, each is a new interpreter.
         deadlines: how long processes may take.
         notice: is told, once, why the pool could not be used.
+        once: wait no second time for an answer that has not come in the time given: whoever thinks for many frames
+            would keep each of them, and a main that is late would never be on time again.
     """
 
     def __init__(
-        self, *, warm: bool = True, deadlines: Deadlines | None = None, notice: Callable[[str], None] | None = None
+        self,
+        *,
+        warm: bool = True,
+        deadlines: Deadlines | None = None,
+        notice: Callable[[str], None] | None = None,
+        once: bool = False,
     ) -> None:
         self._deadlines = deadlines or Deadlines()
-        self._notice = notice
+        self._notice, self._once = notice, once
         self._processes: list[AlgorithmProcess] = []
         self._pool: Pool | None = None
         if warm:
@@ -142,17 +149,22 @@ class Launcher:
                 self._pool.send(msgspec.json.encode(request))
 
     def wait(self, processes: Iterable[AlgorithmProcess], timeout: float) -> bool:
-        """Wait until none of these owes a frame, at most `timeout` seconds; True if so. Logs are read meanwhile."""
+        """Wait until none of these owes a frame, at most `timeout` seconds; True if so. Logs are read meanwhile.
+
+        With `once`, what was waited for in vain is taken when it has come.
+        """
         processes = [process for process in processes if process.pending]
         for process in processes:  # as a rule it is there already: then there is nothing to wait for
             process.collect()
         until = time.monotonic() + timeout
-        while owing := [process for process in processes if process.pending]:
+        while owing := [process for process in processes if process.pending and not process.overdue]:
             left = until - time.monotonic()
             if left <= 0.0:
+                for process in owing:
+                    process.overdue = self._once
                 return False
             _look(owing, left)
-        return True
+        return not any(process.pending for process in processes)
 
     def tend(self) -> None:
         """What is due for any process: logs, deadlines, ends. Once a frame."""

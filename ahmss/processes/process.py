@@ -34,8 +34,8 @@ class AlgorithmProcess:
         for message in process.receive(): ...      # Answer, State, Note ...; raises AlgorithmError once
 
     name: the algorithm's. human: whether it moves the human. phase: see Phase. pending: the frame asked for and not
-    yet answered, or 0. last: the last frame answered. failure: the AlgorithmError that ended it, or None. ended: its
-    process is gone and nothing of it is left.
+    yet answered, or 0. overdue: it was waited for, and is not again. last: the last frame answered. failure: the
+    AlgorithmError that ended it, or None. ended: its process is gone and nothing of it is left.
 
     Args:
         name: of the algorithm.
@@ -53,6 +53,7 @@ class AlgorithmProcess:
         self.human = human
         self.phase = Phase.STARTING
         self.pending = 0
+        self.overdue = False
         self.last = 0
         self.failure: AlgorithmError | None = None
         self.ended = False
@@ -98,7 +99,7 @@ class AlgorithmProcess:
             return
         if self.pending:
             raise ValueError(f"{self.name} still owes frame {self.pending}")
-        self.pending = int(_FRAME_NUMBER.unpack_from(frame, HEADER.size)[0])
+        self.pending, self.overdue = int(_FRAME_NUMBER.unpack_from(frame, HEADER.size)[0]), False
         if self.phase is Phase.RUNNING:
             self._silence.begin()
         self._outbound.send(frame)
