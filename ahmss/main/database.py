@@ -255,7 +255,9 @@ class Database:
             target = (
                 describe_human(self.workspace, scene, name)
                 if human
-                else describe(self.workspace, scene.objects[name], scene.pose(name))
+                else describe(
+                    self.workspace.objects.get(scene.objects[name].kind), scene.objects[name], scene.pose(name)
+                )
             )
             place = target.place
         facing = None if act.facing_deg is None else math.radians(act.facing_deg)

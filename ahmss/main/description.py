@@ -12,7 +12,8 @@ import numpy as np
 from ahmss.algorithm import messages
 from ahmss.body.array import Array
 from ahmss.body.quaternion import conjugate, multiply, rotate
-from ahmss.database.records import AlgorithmEntry
+from ahmss.database.footprint import Rings
+from ahmss.database.records import AlgorithmEntry, ObjectKind
 from ahmss.database.statefile import ONESELF
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError
@@ -52,14 +53,9 @@ class Scene(Protocol):
 
 
 def describe(
-    workspace: Workspace, record: ObjectRecord, pose: Array, footprint: list[list[messages.Point]] | None = None
+    kind: ObjectKind, record: ObjectRecord, pose: Array, footprint: list[list[messages.Point]] | None = None
 ) -> messages.ObjectRecord:
-    """An object in a pose (7,) as algorithms are told of it.
-
-    Raises:
-        AhmssError: its kind is broken.
-    """
-    kind = workspace.objects.get(record.kind)
+    """An object of a kind in a pose (7,) as algorithms are told of it."""
     sites = {
         n: messages.SiteRecord(s.position, s.rotation, _free(s.free_axis), _grip(s.grip)) for n, s in kind.sites.items()
     }
@@ -76,8 +72,8 @@ def describe_human(workspace: Workspace, scene: Scene, name: str) -> messages.Ob
         AhmssError: its kind is broken, or its skeleton can't be had.
     """
     record, pose = scene.objects[name], scene.pose(name)
-    told = describe(workspace, record, pose)
     kind = workspace.objects.get(record.kind)
+    told = describe(kind, record, pose)
     moving = [site for site in kind.sites if kind.sites[site].part]
     body = scene.body(name)
     rows = np.array(Parts(kind.sites[site] for site in moving).of(body.skeleton, body.pose))
@@ -91,7 +87,7 @@ def describe_human(workspace: Workspace, scene: Scene, name: str) -> messages.Ob
 
 
 class Description:
-    """What one algorithm is told.
+    """What one algorithm is told. The file of a kind is looked at once, however many objects are of it.
 
     Args:
         entry: the algorithm, which says what it asks for.
@@ -105,6 +101,9 @@ class Description:
         self._workspace, self._scene, self._entry, self._acting = workspace, scene, entry, acting
         self._held = tuple(name for name, hand in holds.items() if hand)
         self._within = tuple(f"{name}/" for name in self._held)
+        self._objects = scene.objects
+        self._kinds: dict[str, ObjectKind] = {}
+        self._footprints: dict[tuple[str, bytes], list[list[messages.Point]]] = {}
 
     def object(self, name: str) -> messages.ObjectRecord:
         """The target object.
@@ -117,10 +116,13 @@ class Description:
 
     def _object(self, name: str) -> messages.ObjectRecord:
         """An object without its shape."""
-        record, pose = self._scene.objects[name], self._scene.pose(name)
+        record, pose = self._objects[name], self._scene.pose(name)
         if record.kind == KIND:
             return self._known(describe_human(self._workspace, self._scene, name))
-        return describe(self._workspace, record, pose, self._footprint(name, record.kind, pose))
+        kind = self._kinds.get(record.kind)
+        if kind is None:
+            kind = self._kinds[record.kind] = self._workspace.objects.get(record.kind)
+        return describe(kind, record, pose, self._footprint(name, record.kind, pose))
 
     def _known(self, told: messages.ObjectRecord) -> messages.ObjectRecord:
         """A human, with whether it is oneself."""
@@ -156,8 +158,8 @@ class Description:
         """The other objects than the target, near the human at `root` (3,) or all, and the other humans."""
         found: list[messages.ObjectRecord] = []
         asked = self._entry.world
-        for name in self._scene.objects if asked != "none" else ():
-            if name == target or self._scene.objects[name].kind == KIND:  # humans come as `humans` asks
+        for name in self._objects if asked != "none" else ():
+            if name == target or self._objects[name].kind == KIND:  # humans come as `humans` asks
                 continue
             if asked == "all" or float(np.linalg.norm(self._scene.pose(name)[:3] - root)) <= _NEAR:
                 try:
@@ -172,7 +174,7 @@ class Description:
         near = _NEAR if self._entry.carries else _AT_HAND  # who goes there comes near to others
         if not self._entry.arms or float(np.linalg.norm(np.array(told.place)[:2] - root[:2])) > near:
             return told
-        if told.name not in self._scene.objects or self._scene.objects[told.name].kind != KIND:
+        if told.name not in self._objects or self._objects[told.name].kind != KIND:
             return told  # an object that is called like a human hides it
         with contextlib.suppress(AhmssError, KeyError):  # somebody whose body is not known yet is told of as before
             return describe_human(self._workspace, self._scene, told.name)
@@ -187,10 +189,13 @@ class Description:
         """What an object in a pose (7,) occupies on the floor, where that is asked; nothing if its shape is broken."""
         if not self._entry.footprints or name in self._held or name.startswith(self._within):
             return []
-        try:
-            return [list(ring) for ring in self._workspace.objects.footprint(kind, float(pose[2]), pose[3:])]
-        except AhmssError:
-            return []
+        key = kind, pose[2:].tobytes()
+        if key not in self._footprints:
+            rings: Rings = ()
+            with contextlib.suppress(AhmssError):
+                rings = self._workspace.objects.footprint(kind, float(pose[2]), pose[3:])
+            self._footprints[key] = [list(ring) for ring in rings]
+        return self._footprints[key]
 
 
 def triple(v: Array) -> tuple[float, float, float]:
