@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 
 import numpy as np
@@ -20,8 +19,7 @@ from ahmss.main.surroundings import NOTHING, Surroundings
 
 __all__ = ["Showing"]
 
-_NEAR = 1.5  # metres between the hips of two: the arms of who is farther off are told once in so many frames
-_SELDOM = 4
+_SELDOM = 4  # frames in which the arms of who is beside are told once: a plan keeps clear of them for a second
 
 
 class Showing:
@@ -61,7 +59,7 @@ class Showing:
             self._people.forget()
 
     def _sites_of(self, motions: Collection[Motion]) -> Array:
-        """Rows (n, 8) of the sites of whom a motion is about and of who is near; of others beside, each in its turn."""
+        """Rows (n, 8) of the sites of whom a motion is about; of others beside, each in its turn."""
         about = dict.fromkeys(name for one in motions for name in one.company)
         company = tuple(dict.fromkeys((*about, *(name for one in motions for name in one.beside))))
         if not company:
@@ -69,12 +67,8 @@ class Showing:
         if company != self._company or self._sites is None:  # which sites a human has is asked when others are with us
             self._company, self._sites = company, MovingSites(self._workspace)
         self._turn += 1
-        x, y = self.human[1:3].tolist()
-        return self._sites.rows(
-            human
-            for k, human in enumerate(self._communication.poses(company))
-            if k < len(about) or (k + self._turn) % _SELDOM == 0 or math.hypot(human[2][0] - x, human[2][1] - y) < _NEAR
-        )
+        now = [name for k, name in enumerate(company) if k < len(about) or (k + self._turn) % _SELDOM == 0]
+        return self._sites.rows(self._communication.poses(now))
 
     def frame(self, k: int, moved: Array, entry: AlgorithmEntry) -> bytes:
         """A human algorithm's FRAME k: the human, and what moved, rows (n, 8)."""

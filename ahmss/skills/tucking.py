@@ -43,6 +43,7 @@ _COMES, _MOVES, _STRAY = 60, 0.02, 0.1  # frames, radians, radians: what sets ou
 _CARES = 1.5  # an arm's importance when it is drawn in: more than that of what else moves it by the way
 _RESTS = 1e-4  # by so little a row differs from the last of who stands: arms have come to where they stay
 _NONE = 1e-4  # so little an arm is not drawn in any more
+_LOOKS = 4  # frames after which who stands, the arms at rest, looks again whether they are to stay there
 _SUNK, _LOW = 0.02, 0.3  # metres under a top on which its skin is, and over it, that a hand may be which is let down
 _NEAR = 1.0  # metres from the hips beyond which nothing is in a hand's way
 _TUCKED = np.array([0.17, 0.08, 1.06])  # of a palm, shares of a stature of 1.72 m: ahead, aside, height
@@ -74,7 +75,8 @@ class Tucking:
         self._wanted = dict.fromkeys(_SIDES, first > 0)
         # As they were after each frame of the last piece.
         self._after: dict[str, list[tuple[Array, bool]]] = {side: [] for side in _SIDES}
-        self._frames, self._rests, self._last = 0, False, (np.zeros((0, 0)), np.zeros((0, 0)))
+        self._frames, self._last = 0, (np.zeros((0, 0)), np.zeros((0, 0)))
+        self._rests, self._rested = False, 0  # whether the arms do, and for how many frames one has not looked
         self._pose = tucked(task.human) if self._prisms else np.zeros((0, 4))
         for side in self._already():
             self._level[side][:], self._wanted[side] = 1.0, True
@@ -109,16 +111,16 @@ class Tucking:
 
     def over(self, rows: Array) -> Array:
         """POSE rows (n, 260) of a walk, the arms drawn in where that is needed."""
-        rows = self._past.over(rows, [] if self._about is None else self._about())
-        others = self._others(self._frames)
         begun, self._frames = self._frames, self._frames + len(rows)
-        given, last = self._last
-        stands = rows.shape == given.shape and not (np.abs(rows - given) > _RESTS).any()  # who waits does not change
-        turns = begun < self._first <= begun + len(rows)  # from here on less is enough
-        if stands and self._rests and not others and not turns:
+        walked, last = self._last
+        stands = rows.shape == walked.shape and not (np.abs(rows - walked) > _RESTS).any()  # who waits does not change
+        stays = stands and not begun < self._first <= begun + len(rows)  # from there on less is enough
+        if stays and self._rests and self._rested < _LOOKS:
+            self._rested += len(rows)
             return last.copy()
-        made = self._made(rows, others, begun)
-        self._rests = stands and not turns and bool(np.abs(made - last).max() < _RESTS)
+        past = self._past.over(rows, [] if self._about is None else self._about())
+        made = self._made(past, self._others(begun), begun)
+        self._rests, self._rested = stays and bool(np.abs(made - last).max() < _RESTS), 0
         if not len(self._given):
             self._first_given = made[0, 4:176].reshape(43, 4).copy()
         self._given, self._last = made[-1, 4:176].reshape(43, 4).copy(), (rows.copy(), made.copy())

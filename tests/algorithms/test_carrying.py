@@ -109,6 +109,17 @@ def test_who_waits_beside_a_counter_keeps_still_and_goes_on_as_if_each_frame_wer
     assert heights[2] < heights[1] - 0.1  # down again, where there is room
 
 
+def test_who_waits_beside_a_counter_looks_for_others_now_and_then() -> None:
+    task, rows = stood(np.array([2.86, 0.25, 0.0]))
+    looked, made = list[int](), list[np.ndarray]()
+    tucking = Tucking(task, first=30, others=lambda: (looked.append(len(made)), [])[1])
+    for _ in range(400):
+        made.append(tucking.over(rows[:1])[0])
+        task.present = HumanFrame(made[-1])
+    assert looked[:100] == list(range(100))  # while arms move
+    assert np.diff(looked[-10:]).tolist() == [5] * 9
+
+
 def test_who_sets_out_with_a_hand_drawn_in_beside_a_counter_keeps_it_so_until_there_is_room() -> None:
     task, rows = stood(np.array([2.86, 0.25, 0.0]))
     task.start = HumanFrame(Tucking(task).over(rows)[-1])  # as one came there
