@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import about_z, conjugate, from_axis_angle, multiply, rotate
 
 __all__ = ["Transform", "WorldObject", "resolve_site"]
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,17 @@ class WorldObject:
     moved: dict[int, Transform] = field(default_factory=dict[int, Transform], repr=False, compare=False)
     way: Array | None = field(default=None, repr=False, compare=False)
     heard: int = field(default=0, repr=False, compare=False)
+    _stays: tuple[bytes, dict[Hashable, Any]] = field(default=(b"", {}), init=False, repr=False, compare=False)
+
+    def while_it_stays(self, key: Hashable, make: Callable[[], Value]) -> Value:
+        """What `make` gives, kept under `key` for as long as the object is where it is."""
+        at = self.place.tobytes() + self.rotation.tobytes()
+        if self._stays[0] != at:
+            self._stays = at, {}
+        kept = self._stays[1]
+        if key not in kept:
+            kept[key] = make()
+        return cast(Value, kept[key])
 
     @classmethod
     def of(cls, record: ObjectRecord) -> WorldObject:

@@ -134,6 +134,10 @@ def boxes_of(thing: WorldObject) -> list[Box]:
 
 def filled(thing: WorldObject, *, sought: bool = False) -> list[Prism]:
     """What a thing's properties tell that it fills, where it is now; nothing where they tell nothing."""
+    return [*thing.while_it_stays(("filled", sought), lambda: _filled(thing, sought=sought))]
+
+
+def _filled(thing: WorldObject, *, sought: bool) -> list[Prism]:
     blocks = [_drawn(thing, entry) if isinstance(entry, dict) else _box(thing, entry) for entry in _told(thing)]
     return [block.prism(sought=sought) for block in blocks if block is not None]
 

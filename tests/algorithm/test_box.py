@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ahmss.algorithm.place import Transform
+from ahmss.algorithm.place import Transform, WorldObject
 from ahmss.body.array import Array
 from ahmss.body.quaternion import normalize
-from ahmss.skills.box import Box, nearest
+from ahmss.skills.box import Box, filled, nearest
 
 FAR = 0.2
 
@@ -44,3 +44,17 @@ def test_the_nearest_of_many_boxes_is_as_near_as_each_says(turns: int) -> None:
 
 def test_without_boxes_all_is_far() -> None:
     np.testing.assert_array_equal(nearest([], hands(0, n=3), FAR), np.full(3, FAR))
+
+
+def test_what_a_thing_fills_is_worked_out_once_while_it_stays_where_it_is() -> None:
+    block = {"box": [[0.0, 0.0, 0.0], [1.0, 0.5, 0.2]]}
+    thing = WorldObject(1, "shelf", "shelf", np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), properties=block)
+    first = filled(thing)
+    first.clear()  # what is done with the list does not come back
+    (before,), (again,), (sought,) = filled(thing), filled(thing), filled(thing, sought=True)
+    assert before is again
+    assert sought.sought
+    assert not before.sought
+    thing.place[2] = 0.3
+    (moved,) = filled(thing)
+    assert (moved.low, moved.high) == pytest.approx((0.3, 0.5))
