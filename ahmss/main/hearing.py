@@ -10,6 +10,7 @@ from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, AlgorithmError
 from ahmss.main.communication import Communication
 from ahmss.main.enabling import not_enabled
+from ahmss.main.left_behind import with_left_behind
 from ahmss.main.order import Order
 from ahmss.main.telling import told
 
@@ -40,12 +41,16 @@ class Hearing:
     def fail(self, reason: str) -> None:
         """Something went wrong."""
         self.failures += 1
-        self.say(reason)
+        self.say(self._of_whom(reason))
 
     def tell(self, order: Order, text: str) -> None:
         """An algorithm has something to say; what states its object has, as they are now."""
         thing = self._communication.objects.get(order.object)
-        self.note(f"{order.title}: {told(text, thing.states if thing is not None else {})}")
+        self.note(self._of_whom(f"{order.title}: {told(text, thing.states if thing is not None else {})}"))
+
+    def _of_whom(self, text: str) -> str:
+        """What is said, with what there is to know of those whom it names."""
+        return with_left_behind(text, self._communication.world.humans.values())
 
     def change_states(self, state: State) -> None:
         """An algorithm has changed the states of an object."""

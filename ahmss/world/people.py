@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from ahmss.body.array import Array
@@ -82,6 +84,15 @@ class People:
         self.changes.humans_put[join.name] = None
         self.changes.is_structural = True
         return known
+
+    def orphan(self, name: str, now: float, leaves_s: float) -> None:
+        """Nobody moves a human any more: it leaves after so many seconds, or stays (infinite), and all are told so."""
+        person = self.by_name[name]
+        person.owner, person.left_at, person.stays = b"", now, leaves_s == math.inf
+        person.record = msgspec.structs.replace(person.record, leaves_s=leaves_s)
+        self.forget_way(person.record.id)
+        self.changes.humans_put[name] = None
+        self.changes.is_structural = True
 
     def remove(self, name: str) -> None:
         """Take a human out of the world."""

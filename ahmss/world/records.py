@@ -72,7 +72,10 @@ class ObjectRecord(msgspec.Struct, frozen=True, gc=False):
 
 
 class HumanRecord(msgspec.Struct, frozen=True):
-    """One human of the world; `skeleton` is the hash of its skeleton record, JSON, kept like a shape."""
+    """One human of the world; `skeleton` is the hash of its skeleton record, JSON, kept like a shape.
+
+    leaves_s: 0 while its main is there; else the seconds after that was gone in which it leaves, infinite: it stays.
+    """
 
     id: int
     name: str
@@ -80,6 +83,7 @@ class HumanRecord(msgspec.Struct, frozen=True):
     skeleton: str = ""
     shape: str = ""
     texture: str = ""
+    leaves_s: float = 0.0
 
 
 class Scene(msgspec.Struct, frozen=True, tag="scene"):

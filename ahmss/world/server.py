@@ -188,7 +188,7 @@ class Server(ABC):
         self._next_leases = now + _LEASES_S
         gone: list[str] = []
         for identity in self.sessions.lapsed(now, self.sockets.is_reachable):
-            names = self.space.abandon(identity, now)
+            names = self.space.abandon(identity, now, self.settings.grace_s)
             gone += names
             for name in names:
                 self.meetings.leave(self.space.people.by_name[name].group, name)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 
 import numpy as np
@@ -100,13 +101,11 @@ class Space:
         """Names of the humans that the client moves."""
         return {name for name, person in self.people.by_name.items() if person.owner == owner}
 
-    def abandon(self, owner: bytes, now: float) -> list[str]:
+    def abandon(self, owner: bytes, now: float, grace_s: float) -> list[str]:
         """The client is gone: its humans stay for the grace time, what they hold is free; their names."""
         names = sorted(self.owned(owner))
         for name in names:
-            person = self.people.by_name[name]
-            person.owner, person.left_at = b"", now
-            self.people.forget_way(person.record.id)
+            self.people.orphan(name, now, grace_s)
             self.things.release_all(name)
         self._hand_on()
         return names
@@ -140,9 +139,8 @@ class Space:
     def _leave(self, person: Person, now: float, *, stays: bool) -> None:
         name = person.record.name
         self.things.release_all(name)
-        person.owner, person.left_at, person.stays = b"", now, stays
         if stays:
-            self.people.forget_way(person.record.id)
+            self.people.orphan(name, now, math.inf)
         else:
             self.people.remove(name)
         self._hand_on()

@@ -268,10 +268,12 @@ def test_a_main_that_was_given_up_comes_back_by_itself(start, connect):
     server = start(lease_s=1.0, grace_s=30)
     ken, viewer = connect(server), connect(server)
     join(ken, "ken")
+    assert viewer.refresh().humans["ken"].leaves_s == 0.0
     cup_and_tray(ken)
     ken.refresh()
     ken.claim("ken", ["tray/cup"])
     eventually(lambda: viewer.refresh().objects["tray/cup"].holder == "")  # ken's main stands still
+    assert viewer.refresh().humans["ken"].leaves_s == 30.0  # all know that nobody moves ken, and when ken leaves
     frame = iter(range(1, 10_000))
 
     def goes_on():
@@ -280,6 +282,18 @@ def test_a_main_that_was_given_up_comes_back_by_itself(start, connect):
         return viewer.refresh().objects["tray/cup"].holder == "ken" and viewer.world.human("ken")[0][0] == 1
 
     eventually(goes_on)
+    assert viewer.refresh().humans["ken"].leaves_s == 0.0
+
+
+def test_whoever_is_left_standing_is_known_to_stay(start, connect):
+    server = start(lease_s=1.0, grace_s=0.5)
+    ken, viewer = connect(server), connect(server)
+    join(ken, "ken")
+    ken.leave("ken", stay=True)
+    assert viewer.refresh().humans["ken"].leaves_s == np.inf
+    again = connect(server)
+    join(again, "ken")
+    assert viewer.refresh().humans["ken"].leaves_s == 0.0
 
 
 def test_random_bytes_disturb_nobody(start, connect, tmp_path):
