@@ -32,14 +32,15 @@ _LOOKED, _AT_ONCE = 5, 40  # every so many frames are looked at; of so many betw
 _HEAD = INDEX["head"]
 _UP, _X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
-Suits = Callable[[Transform, Posture], bool]
+Misses = Callable[[Transform, Posture], float]
 
 
-def brought(task: HumanTask, side: str, suits: Suits) -> Generator[Array, None, HumanTask]:
+def brought(task: HumanTask, side: str, misses: Misses) -> Generator[Array, None, HumanTask]:
     """Frames (n, 260) in which the hand that holds the task's object brings it before the eyes; the task as it then is.
 
     Args:
-        task: of who reads. side: of the hand that holds it. suits: whether it may be at a frame, for who is so.
+        task: of who reads. side: of the hand that holds it.
+        misses: metres by which the other hand misses it at a frame, for who is so; 0: it may be there.
 
     Raises:
         AlgorithmError: the arm can't bring it there.
@@ -54,13 +55,13 @@ def brought(task: HumanTask, side: str, suits: Suits) -> Generator[Array, None, 
     palms = wanted.then(Transform(np.repeat(back.place[None], len(wanted.place), axis=0), back.rotation)).row()
     gaze, prisms = Looking(task, place), prisms_of(task)
     plan = yield from planned(task, reaching, Goal(place, palms={side: palms}), gaze, prisms, sides=(side,))
-    found: list[int] = []
+    missed: dict[int, float] = {}
     for i in range(0, len(palms), _LOOKED):  # leant so, the other hand comes to some of them
         if i % _AT_ONCE == 0:
             yield gaze.alone()
-        if suits(Transform(wanted.place[i], wanted.rotation[i]), plan.end):
-            found.append(i)
-    palms = palms[found or slice(None)]
+        missed[i] = misses(Transform(wanted.place[i], wanted.rotation[i]), plan.end)
+    least = min(missed.values())
+    palms = palms[[i for i, by in missed.items() if by <= least]]
     plan = yield from planned(task, reaching, Goal(place, palms={side: palms}), gaze, prisms, sides=(side,))
     made = yield from performed(task, reaching, plan, gaze, ([], np.zeros((0, 4))))
     tell_missed(task, plan)

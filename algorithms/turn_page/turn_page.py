@@ -39,9 +39,9 @@ ASIDE, TILT = np.radians([-20.0, 0.0, 20.0, 40.0, 60.0, 80.0]), np.radians([-60.
 SHORT = 200.0  # what a metre costs by which the arm is too short
 FEWER, LITTLE = 4, 0.4  # every so many palms show whether a hand comes there; turning along so much
 GOES_OVER = 30  # frames in which the elbow comes back to where it was at the leaf
-
-
+BENT = 0.01  # what counts as so many metres that are missed: a joint that would have to go beyond what it can
 NEARLY = 0.005  # metres that the hand may stop short of a leaf that can be brought nearer
+MISSED = 0.01  # metres that it may stop short of it at all: the leaf would turn by itself
 
 
 @dataclass(frozen=True)
@@ -85,21 +85,21 @@ def turn_page(task: HumanTask) -> Iterator[Array | HumanPose]:
     yield rows[last:]
 
 
-def _reachable(task: HumanTask, side: str) -> Callable[[Transform, Posture], bool]:
-    """Whether a hand comes to the leaf of the task's object where that is at a frame, the trunk as in a posture."""
+def _missed(task: HumanTask, side: str) -> Callable[[Transform, Posture], float]:
+    """By how much, metres, a hand misses the leaf of the task's object at a frame, the trunk as in a posture."""
     reacher = Reacher.of(task.human, side)
     present = reacher.arm.from_pose(task.start.rotations[reacher.links])
 
-    def suits(frame: Transform, posture: Posture) -> bool:
+    def misses(frame: Transform, posture: Posture) -> float:
         spine = seat(task.human, posture.rotations, posture.root)
         leaf = _leaf(task, frame)
         palms = Transform.of(_palms(task, side, leaf)[::FEWER])
         led = [_with_leaf(leaf, palms, float(angle), LITTLE).row() for angle in LED * np.array([0.0, 0.5, 1.0])]
         led.append(Transform(palms.place + BEFORE * _out(leaf), palms.rotation).row())  # where the hand is set first
         _, found, missing = discomfort(reacher, np.stack(led), spine, present)
-        return bool((found & (missing <= 0.0)).all(axis=0).any())
+        return float((np.maximum(missing, 0.0) + BENT * ~found).max(axis=0).min())
 
-    return suits
+    return misses
 
 
 def _reached_or_brought(task: HumanTask, side: str) -> Generator[Array, None, tuple[HumanTask, Reached]]:
@@ -114,13 +114,13 @@ def _reached_or_brought(task: HumanTask, side: str) -> Generator[Array, None, tu
     except AlgorithmError:
         pass
     try:
-        moved = yield from brought(task, "left" if side == "right" else "right", _reachable(task, side))
+        moved = yield from brought(task, "left" if side == "right" else "right", _missed(task, side))
     except AlgorithmError:  # there is no better place, so as near as it comes
-        return task, (yield from _reached(task, side))
-    return moved, (yield from _reached(moved, side))
+        moved = task
+    return moved, (yield from _reached(moved, side, MISSED))
 
 
-def _reached(task: HumanTask, side: str, most: float = np.inf) -> Generator[Array, None, Reached]:
+def _reached(task: HumanTask, side: str, most: float) -> Generator[Array, None, Reached]:
     """The leaf as it lies now, and how the free hand comes to it: who, the gaze on its way, and as of `_planned`.
 
     Raises:
@@ -164,7 +164,10 @@ def _planned(
     looked = float(gaze.turned(np.array([gaze.frames + 1]))[0])
     plan = yield from gaze.during(reaching.way(reacher, (start, palm, arm), gaze.place, [], looked))
     if float(np.linalg.norm(plan.palm[:3] - palm[:3])) > most:
-        raise AlgorithmError("the hand stops short of it")
+        raise AlgorithmError(
+            f"the {side} hand stops {1000.0 * plan.short:.0f} mm short of the leaf, as far as the arm goes; "
+            f"put it down, and take it up with the {side} hand"
+        )
     tell_missed(task, plan)
     return plan, along
 
