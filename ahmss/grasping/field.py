@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ahmss.body.array import Array
 from ahmss.errors import DataError
 
-__all__ = ["Crowded", "Field", "Solid"]
+__all__ = ["Crowded", "Field", "Joined", "Solid"]
 
 _HEAD = struct.Struct("<4s3I4d")  # name and version, nodes along x, y, z, the first node's place, spacing
 _MAGIC = b"SDF1"
@@ -107,19 +107,42 @@ class Field:
 
 
 @dataclass(frozen=True)
+class Joined(Field):
+    """The field of a shape and another's as one: what is held, and the hand around it. also: that other field."""
+
+    also: Field
+
+    @classmethod
+    def of(cls, shape: Field, also: Field) -> Joined:
+        """Two shapes in one frame as one."""
+        return cls(shape.first, shape.spacing, shape.nodes, also)
+
+    def clearance(self, points: Array) -> Array:
+        """The distance (...) of points (..., 3) from the nearer surface, metres, negative inside."""
+        return np.minimum(super().clearance(points), self.also.clearance(points))
+
+
+@dataclass(frozen=True)
 class Crowded(Field):
     """The field of a shape with others about it, which hands that close on it stay out of too.
 
-    others: gives the distance (...) of points (..., 3) from them, metres, negative inside; never more than it is.
+    shape: without them. others: gives the distance (...) of points (..., 3) from them, metres, negative inside; never
+    more than it is.
     """
 
+    shape: Field
     others: Callable[[Array], Array]
+
+    @classmethod
+    def of(cls, shape: Field, others: Callable[[Array], Array]) -> Crowded:
+        """A shape and what is about it."""
+        return cls(shape.first, shape.spacing, shape.nodes, shape, others)
 
     @property
     def alone(self) -> Field:
         """The shape without what is about."""
-        return Field(self.first, self.spacing, self.nodes)
+        return self.shape
 
     def clearance(self, points: Array) -> Array:
         """The distance (...) of points (..., 3) from the nearest surface, metres, negative inside."""
-        return np.minimum(super().clearance(points), self.others(points))
+        return np.minimum(self.shape.clearance(points), self.others(points))

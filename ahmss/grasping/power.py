@@ -13,7 +13,7 @@ from ahmss.grasping.holding import Cost, Holding, Trial, best
 from ahmss.grasping.hook import hook, until_it_touches
 from ahmss.motion.steps import Steps
 
-__all__ = ["hooked", "is_thick", "power"]
+__all__ = ["hooked", "is_thick", "power", "power_at"]
 
 # What is tried, the first alone where that will do: metres by which the axis lies before the palm's middle, towards the
 # fingers, and metres along the axis.
@@ -58,6 +58,13 @@ def hooked(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None
     return hook(hand, field, _level(grip, site[:3], rotate(site[3:], Z)), site, cost)
 
 
+def power_at(hand: Hand, field: Field, palm: Array, site: Array) -> Steps[Holding]:
+    """How fingers and thumb close about a site's z (7,) with the palm where it is (7,), which they may not hold."""
+    turn = to_matrix(multiply(palm[3:], conjugate(hand.grip[3:])))
+    hands = Hands((palm[:3] - turn @ hand.grip[:3])[None], turn[None])
+    return (yield from best(hand, field, _trial(hands, palm[None], np.zeros(1), rotate(site[3:], Z))))
+
+
 def is_thick(field: Field, site: Array) -> bool:
     """Whether what is at a site (7,) is full, or hollow: nothing there that fingers go around."""
     return abs(float(field.alone.clearance(site[:3]))) > THIN
@@ -92,9 +99,12 @@ def _wrapped(hand: Hand, field: Field, grip: Array, site: Array, rotation: Array
     palms = np.concatenate([starts + went[:, None] * inward, np.tile(rotation, (len(starts), 1))], axis=1)[met]
     hands = Hands(palms[:, :3] - turn @ hand.grip[:3], np.broadcast_to(turn, (len(palms), 3, 3)))
     cost = (2.0 * np.abs(INTO_FINGERS - INTO_FINGERS[0]) + 5.0 * np.abs(BESIDE))[met]
+    return (yield from best(hand, field, _trial(hands, palms, cost, up)))
+
+
+def _trial(hands: Hands, palms: Array, cost: Array, up: Array) -> Trial:
     rises, bends = (np.broadcast_to(row, (len(palms), len(row))) for row in (RISES, BENDS))
-    trial = Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED, up)
-    return (yield from best(hand, field, trial))
+    return Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED, up)
 
 
 def _level(grip: Array, axis: Array, up: Array) -> Array:

@@ -30,7 +30,7 @@ def crowded(task: HumanTask, field: Field, place: Array) -> Field:
         for prism in prisms_of(task)
         if not prism.sought and prism.at_least(at)[0] < _ABOUT and float(prism.signed(at)[0]) > 0.0
     ]
-    return Crowded(field.first, field.spacing, field.nodes, _Others(thing.frame, near)) if near else field
+    return Crowded.of(field, _Others(thing.frame, near)) if near else field
 
 
 class _Others:

@@ -114,8 +114,12 @@ def closing(task: HumanTask, side: str, most: float) -> Steps[Closing]:
     return (yield from closing_into(task, side, other, most))
 
 
-def closing_into(task: HumanTask, side: str, holding: Holding, most: float) -> Steps[Closing]:
+def closing_into(
+    task: HumanTask, side: str, holding: Holding, most: float, shape: Field | None = None
+) -> Steps[Closing]:
     """The closing into a grip of the action's site, from where the hand is, on which that is not driven into it.
+
+    shape: what it closes on, where that is more than the object: somebody's hand around it, say.
 
     Raises:
         AlgorithmError: the arm does not bring the hand there, it is farther away, or would be driven into it;
@@ -126,7 +130,7 @@ def closing_into(task: HumanTask, side: str, holding: Holding, most: float) -> S
     to_object = thing.frame.inverse()
     grip, palm = to_object.then(task.start.grip(side)), Transform.of(holding.palm)
     at = to_object.then(task.site or thing.frame).place
-    field = crowded(task, field_at(task, at), at)
+    field = crowded(task, shape or field_at(task, at), at)
     spine, hand = ArmCost(task, side).spine_for(palm), Hand.of(task.human, side)
     far = float(np.linalg.norm(palm.place - grip.place))
     if far > most:

@@ -21,6 +21,8 @@ from ahmss.body.inverse import GAZE
 from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import from_axis_angle, rotate, slerp
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.power import power_at
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.edit import floor_frame
 from ahmss.motion.fingers import opened
@@ -29,9 +31,9 @@ from ahmss.reaching.goal import Goal, palms_of
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.skills.at_ease import at_ease
-from ahmss.skills.beside_hand import clear_of_hand
+from ahmss.skills.beside_hand import InHand, in_their_hand
 from ahmss.skills.company import Watching, aside_of, settled
-from ahmss.skills.grasping import Closing, closing, read_shape
+from ahmss.skills.grasping import Closing, closing, closing_into, field_at, read_shape
 from ahmss.skills.margins import Margin, margins
 from ahmss.skills.meanwhile import waited
 from ahmss.skills.meeting import FACING, again, come_to
@@ -50,10 +52,10 @@ ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist nee
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
 OPPOSITE = np.radians([75.0, 105.0, 135.0])  # how far from straight opposite the giver's palm the own one may come
 AS_OPPOSITE = 0.3  # of a cosine: what is opposite by less so, where a thing can be taken from one side only
-AS_CLEAR = 0.004  # metres by which a hand may be less clear of the giver's than it can be
+BEFORE, AT = 0.03, 0.01  # metres before where it holds that a hand comes first; that it may be beside there
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
-CLOSES, DRAWS = 0.45, 0.9  # seconds
-GONE, LETS_GO = 0.075, 1.0  # metres by which the giver's opened hand has gone back; seconds that one waits for it
+CLOSES, FIRMLY, DRAWS = 0.45, 0.3, 0.9  # seconds
+GONE, LETS_GO = 0.1, 1.3  # metres by which the giver's opened hand has gone back; seconds that one waits for it
 CARRIED = np.array([0.30, 0.20, 0.60])  # ahead, to the hand's side, height: shares of 1 m, 1 m and the stature
 X = np.array([1.0, 0.0, 0.0])
 
@@ -74,8 +76,12 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         gaze = Looking(begun, goal.place)
         reaching = Reaching(begun.human, begun.start.rotations, begun.start.root)
         sides = list(margins(begun, side))
-        about = _at_margins(begun, side, sides, goal) if sides else None
-        goals = about or (yield from gaze.during(_about(begun, whom, side, goal)))
+        held = None if sides else (yield from gaze.during(_in_hand(begun, whom, goal)))
+        goals = (
+            _at_margins(begun, side, sides, goal)
+            if sides
+            else (yield from gaze.during(_about(begun, whom, side, goal, held)))
+        )
         plan = yield from _easiest(begun, goals, gaze, reaching)
         made = yield from performed(begun, reaching, plan, gaze, _opened(side))
         tell_missed(task, plan)
@@ -84,12 +90,14 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
         if float(np.linalg.norm(task.object.place - begun.object.place)) < MOVED:
             break
     closes = _held_at(task, sides, plan.palm, side, round(CLOSES * task.rate))
-    end, _ = yield from waited(closing(closes, side, TOO_FAR), rows[-1:])
+    end, _ = yield from waited(_closing(closes, side, held, plan.palm), rows[-1:])
     closed = _closed(closes, side, end, rows[-1])
     yield closed
     pose = HumanPose.of(closed[-1])
     yield task.pose(pose.rotations, pose.root, pose.importance, pose.targets, {"held": "here"})
     yield from _until_let_go(task, whom, closed[-1:])
+    if held is not None:
+        yield from _firmly(task, side, held, pose)
     yield at_ease(task, _drawn(task, side, pose, first))
 
 
@@ -132,6 +140,17 @@ def _held_at(task: HumanTask, sides: Sequence[Margin], palm: Array, side: str, f
     return here.task(task, hand=side, frames=frames)
 
 
+def _closing(task: HumanTask, side: str, held: InHand | None, palm: Array) -> Steps[Closing]:
+    """How the hand closes that has come with its palm (7,) before the thing: past the giver's, if it can."""
+    assert task.object is not None
+    for holding in held.found if held is not None else ():
+        there = task.object.frame.then(Transform.of(holding.palm))
+        away = float(np.linalg.norm(there.apply(np.array([-BEFORE, 0.0, 0.0])) - palm[:3]))
+        if held is not None and away < AT:
+            return (yield from closing_into(task, side, holding, TOO_FAR, held.both))
+    return (yield from closing(task, side, TOO_FAR))
+
+
 def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | HumanPose]:
     """One looks at them, turns to them when they are near, and sees whether the thing is between both and still."""
     assert task.object is not None
@@ -172,31 +191,41 @@ def _goal(task: HumanTask) -> Goal:
     return goal_of(again(task, goal=MessageGoal()))  # the thing, not who holds it
 
 
-def _about(task: HumanTask, whom: WorldObject, side: str, goal: Goal) -> Steps[list[Goal]]:
+def _in_hand(task: HumanTask, whom: WorldObject, goal: Goal) -> Steps[InHand | None]:
+    """The thing in the giver's hand, where that is around it."""
+    if goal.around is None:
+        return None
+    assert task.object is not None
+    assert task.site is not None
+    field = field_at(task, task.object.frame.inverse().then(task.site).place)
+    return (yield from in_their_hand(task, whom, _giving(task, whom).removesuffix("_hand"), field))
+
+
+def _about(task: HumanTask, whom: WorldObject, side: str, goal: Goal, held: InHand | None) -> Steps[list[Goal]]:
     """The palms before it, where there is a choice opposite the palm of who holds it, and then from farther round.
 
-    Of these first those that keep clearest of that hand.
+    Of these first those from which the hand closes past that one.
     """
     reacher = Reacher.of(task.human, side)
     palms = palms_of(goal, reacher, reacher.shoulder(seat(task.human, task.start.rotations, task.start.root)))
     if goal.around is None:
         return [Goal(goal.place, palms={side: palms})]
-    giving = _giving(task, whom)
-    theirs = whom.site(giving, task.start.root)
-    apart = rotate(palms[:, 3:], X)[:, :2] @ rotate(theirs.rotation, X)[:2]
-    axis = Transform.of(goal.around)
-    there = palms.copy()
-    there[:, :3] += (goal.before - _radius(task)) * rotate(palms[:, 3:], X)
-    gaps = yield from clear_of_hand(task.human, side, there, theirs, giving.removesuffix("_hand"), axis, _radius(task))
+    theirs = rotate(whom.site(_giving(task, whom), task.start.root).rotation, X)[:2]
+    apart = rotate(palms[:, 3:], X)[:, :2] @ theirs
     sets = [apart < opposite for opposite in np.maximum(-np.cos(OPPOSITE), apart.min() + AS_OPPOSITE)]
-    sets = [*(some & (gaps > gaps[some].max() - AS_CLEAR) for some in sets), *sets]
-    return [Goal(goal.place, palms={side: palms[some]}) for some in sets]
-
-
-def _radius(task: HumanTask) -> float:
-    """Metres, of what is round."""
+    goals = [Goal(goal.place, palms={side: palms[some]}) for some in sets]
+    if held is None:
+        return goals
     assert task.object is not None
-    return 0.5 * float(task.object.properties.get("diameter", 0.0))
+    frame, first = task.object.frame, np.argsort(apart)
+    seen, axis = (frame.inverse().then(Transform.of(rows)).row() for rows in (palms[first], goal.around))
+    grips = held.holdings(Hand.of(task.human, side), seen, axis, _opened(side)[1], BEFORE)
+    held.found.extend((yield from grips))
+    if held.found:
+        before = frame.then(Transform.of(np.array([holding.palm for holding in held.found]))).row()
+        before[:, :3] -= BEFORE * rotate(before[:, 3:], X)
+        goals.insert(0, Goal(goal.place, palms={side: before}))
+    return goals
 
 
 def _opened(side: str) -> tuple[list[int], Array]:
@@ -235,6 +264,30 @@ def _until_let_go(task: HumanTask, whom: WorldObject, row: Array) -> Iterator[Ar
         yield row.copy()
         if float(np.linalg.norm(whom.site(hand, task.start.root).place - had)) > GONE:
             return
+
+
+def _firmly(task: HumanTask, side: str, held: InHand, pose: HumanPose) -> Generator[Array, None, None]:
+    """Frames (n, 260) in which the fingers close on the thing alone, the palm where it is.
+
+    The pose is left as it then is.
+    """
+    thing, site, hand = task.object, task.site, list(fingers(side))
+    assert thing is not None
+    assert site is not None
+    to_thing = thing.frame.inverse()
+    palm = to_thing.then(task.present.grip(side)).row()
+    row = task.block(pose.rotations[None], pose.root[None], pose.importance, pose.targets[None])
+    holding, _ = yield from waited(
+        power_at(Hand.of(task.human, side), held.thing, palm, to_thing.then(site).row()), row
+    )
+    if not holding.holds:
+        return
+    n = round(FIRMLY * task.rate)
+    done = minimum_jerk(np.arange(1, n + 1) / n)[:, None]
+    rows = np.repeat(row, n, axis=0)
+    rows[:, 4:176].reshape(n, 43, 4)[:, hand] = slerp(pose.rotations[hand], holding.shape, done)
+    yield rows
+    pose.rotations[hand] = holding.shape
 
 
 def _giving(task: HumanTask, whom: WorldObject) -> str:

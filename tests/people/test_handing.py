@@ -10,13 +10,19 @@ import pytest
 
 from ahmss.algorithm import Transform
 from ahmss.body.array import Array
-from ahmss.body.links import INDEX
+from ahmss.body.links import INDEX, fingers
 from ahmss.body.quaternion import conjugate, from_axis_angle, multiply, rotate
+from ahmss.grasping.coming_off import coming_off
+from ahmss.grasping.field import STEP, Field
+from ahmss.grasping.hand import Hand
+from ahmss.grasping.power import power_at
 from ahmss.main.play import PlaySetup, play_script
 from ahmss.motion.edit import floor_frame
+from ahmss.motion.fingers import opened
 from ahmss.motion.steps import finished
+from ahmss.reaching.comfort import around_axis
 from ahmss.reaching.goal import Goal
-from ahmss.skills.beside_hand import clear_of_hand
+from ahmss.skills.beside_hand import in_their_hand
 from tests.algorithms.scene import Body, module
 from tests.demo.recorded import Recorded
 
@@ -112,6 +118,26 @@ def test_no_finger_is_ever_in_it(given: tuple[Recorded, Recorded, str], who: str
     assert np.linalg.norm(seen[..., :2], axis=-1)[within].min() > RADIUS
 
 
+def hand_of(human: Recorded, side: str, frame: int) -> tuple[Array, Array]:
+    """The middles (m, 3) of the balls that fingers and palm are of, in the world, and their radii (m), metres."""
+    hand, palm = Hand.of(human.skeleton, side), human.grip(int(side == "left"))
+    middles, radii = hand.balls(human.rotations[frame, list(fingers(side))])
+    at = Transform(palm.place[frame], palm.rotation[frame]).then(Transform.of(hand.grip).inverse())
+    radii = np.concatenate([radii.ravel(), np.full(len(hand.palm), hand.palm_radius)])
+    return at.apply(np.concatenate([middles.reshape(-1, 3), hand.palm])), radii
+
+
+def test_no_hand_is_ever_in_the_other(given: tuple[Recorded, Recorded, str]) -> None:
+    """Fingers were 10 to 15 mm in the other's palm, and swept through it as the giver's opened."""
+    ken, aiko, side = given
+    frame, deepest = changed(ken), -np.inf
+    for k in range(frame - 90, frame + 90, 2):
+        (own, wide), (other, thick) = hand_of(ken, "right", k), hand_of(aiko, side, k)
+        apart = np.linalg.norm(own[:, None] - other, axis=2)
+        deepest = max(deepest, float((wide[:, None] + thick - apart).max()))
+    assert deepest < 0.002
+
+
 def test_what_can_be_taken_from_the_giver_s_own_side_only_is_taken_from_there() -> None:
     """No palm is opposite theirs: then the one that is so least badly, rather than none."""
     body, place = Body("aiko"), np.array([0.4, 0.0, 1.0])
@@ -121,34 +147,47 @@ def test_what_can_be_taken_from_the_giver_s_own_side_only_is_taken_from_there() 
     start = SimpleNamespace(rotations=body.rotations, root=body.root)
     task = SimpleNamespace(human=body.skeleton, start=start, object=SimpleNamespace(place=place, properties={}))
     whom = SimpleNamespace(site=lambda *_: Transform(place, np.array([1.0, 0.0, 0.0, 0.0])))
-    goals = finished(module("receive")._about(task, whom, "right", goal))
+    goals = finished(module("receive")._about(task, whom, "right", goal, None))
     assert all(len(one.palms["right"]) for one in goals)
-    assert len(goals) == 6
+    assert len(goals) == 3
+
+
+def cup() -> Field:
+    """Distances from a full cylinder about z, as large as the cup."""
+    first, spacing = np.array([-0.07, -0.07, -0.03]), 0.002
+    at = first + spacing * np.stack(np.indices((71, 71, 79)), axis=-1)
+    out = np.stack([np.hypot(at[..., 0], at[..., 1]) - RADIUS, np.abs(at[..., 2] - 0.5 * HIGH) - 0.5 * HIGH])
+    distance = np.minimum(out.max(axis=0), 0.0) + np.hypot(*np.maximum(out, 0.0))
+    return Field(first, spacing, np.round(distance / STEP).astype(np.int16))
 
 
 @pytest.mark.parametrize("giver", ["right", "left"])
-def test_palms_that_keep_clear_of_the_giver_s_hand_are_tried_first(giver: str) -> None:
-    """Palms were 19 mm in each other where another way round the cup had room."""
-    body, place = Body("aiko"), np.array([0.4, 0.0, 1.0])
-    up, to_them = np.array([0.0, 0.0, 1.0]), from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(2.2))
-    axis = Transform(place, np.array([1.0, 0.0, 0.0, 0.0]))
-    goal = Goal(place, around=axis.row(), before=0.03 + RADIUS)
-    theirs = Transform(place - RADIUS * rotate(to_them, np.array([1.0, 0.0, 0.0])), to_them)
+def test_a_hand_closes_past_the_one_that_has_it_and_stays_out_of_its_way_back(giver: str) -> None:
+    body, axis = Body("aiko"), Transform(np.array([0.0, 0.0, 0.052]), np.array([1.0, 0.0, 0.0, 0.0]))
+    hand, palms = Hand.of(body.skeleton, "left"), around_axis(axis.row(), 1.0)
+    palms = np.concatenate([np.tile(axis.place, (len(palms), 1)), palms], axis=1)
+    # Behind the cup, a right hand that looks a little to the left, and a left one that looks to the right.
+    turn = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(np.pi + (0.5 if giver == "right" else -0.3)))
+    theirs = Transform(axis.place - (RADIUS + 0.001) * rotate(turn, np.array([1.0, 0.0, 0.0])), turn)
     start = SimpleNamespace(rotations=body.rotations, root=body.root)
-    thing = SimpleNamespace(place=place, properties={"diameter": 2.0 * RADIUS})
-    task = SimpleNamespace(human=body.skeleton, start=start, object=thing)
-    far = Transform(place + up, to_them)
-    whom = SimpleNamespace(site=lambda name, _: theirs if name == f"{giver}_hand" else far)
-    goals = [one.palms["left"] for one in finished(module("receive")._about(task, whom, "left", goal))]
-
-    def gaps(palms: Array) -> Array:
-        closed = palms.copy()
-        closed[:, :3] += 0.03 * rotate(palms[:, 3:], np.array([1.0, 0.0, 0.0]))
-        return finished(clear_of_hand(body.skeleton, "left", closed, theirs, giver, axis, RADIUS))
-
-    for first, anyhow in zip(goals[:3], goals[3:], strict=True):
-        assert gaps(first).min() > max(gaps(anyhow).max() - 0.005, gaps(anyhow).min())
-        assert len(first) < len(anyhow)
+    world = Transform(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    task = SimpleNamespace(human=body.skeleton, start=start, object=SimpleNamespace(frame=world), site=axis)
+    whom = SimpleNamespace(sites={}, site=lambda *_: theirs)
+    held = finished(in_their_hand(task, whom, giver, cup()))  # type: ignore[arg-type]
+    grips = finished(held.holdings(hand, palms, axis.row(), opened("left"), 0.03))
+    assert grips
+    other = Hand.of(body.skeleton, giver)
+    shape = finished(power_at(other, held.thing, theirs.row(), axis.row())).shape
+    for k, (back, shape_then) in enumerate([(0.0, shape), *((b, coming_off(other, shape)) for b in (0.0, 0.04, 0.08))]):
+        away = theirs.apply(np.array([-back, 0.0, 0.0]))
+        on = Transform(away, theirs.rotation).then(Transform.of(other.grip).inverse())
+        middles, radii = other.balls(shape_then)
+        skin = on.apply(middles.reshape(-1, 3)), radii.ravel()
+        for grip in grips:
+            at = Transform.of(grip.palm).then(Transform.of(hand.grip).inverse())
+            own, wide = hand.balls(grip.shape)
+            apart = np.linalg.norm(at.apply(own.reshape(-1, 3))[:, None] - skin[0], axis=2)
+            assert (wide.ravel()[:, None] + skin[1] - apart).max() < 0.003, k
 
 
 def test_they_stand_face_to_face_about_an_arm_apart(given: tuple[Recorded, Recorded, str]) -> None:
