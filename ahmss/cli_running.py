@@ -135,6 +135,7 @@ def play(
     """Play a script or a recording. Example: ahmss play examples/table.txt"""
     from ahmss.main.play import PlaySetup, play_script
     from ahmss.main.replay import is_recording, play_recording
+    from ahmss.main.seeing import how_to_see
 
     setup = PlaySetup(fast, seed, record, server, keys, workspace, fresh=fresh)
     if is_recording(file):
@@ -142,6 +143,7 @@ def play(
         return
     report = play_script(file, setup, lambda address: typer.echo(f"on the server at {address}", err=True))
     typer.echo(str(report))
+    typer.echo(how_to_see(file, setup), err=True)
     if report.failures:
         raise typer.Exit(1)
 

@@ -121,6 +121,12 @@ class ObjectKind(msgspec.Struct, frozen=True):
         """The states of a new object of this kind."""
         return {name: state.initial for name, state in self.states.items()}
 
+    @property
+    def lets_go(self) -> str:
+        """The action by which a hand lets go of it where it is; "" where there is none."""
+        ways = (name for name, one in self.affordances.items() if one.hold == "release" and not one.asks)
+        return next(ways, "")
+
     def afforded(self, states: Mapping[str, str | float]) -> dict[str, Affordance]:
         """The affordances whose `when` holds in these states."""
         return {n: a for n, a in self.affordances.items() if a.when is None or a.when.holds(states)}

@@ -13,9 +13,11 @@ from ahmss.errors import AhmssError, CommandError, WorldError
 from ahmss.main.aside import aside, at_once
 from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
 from ahmss.main.company import KIND
-from ahmss.main.comparing import Comparison
+from ahmss.main.comparing import Comparison, spoken
 from ahmss.main.joined import lasting, refuse_two_carriers, title
+from ahmss.main.kept import still_in_hand
 from ahmss.main.naming import find_object, refuse_another
+from ahmss.main.order import Order
 from ahmss.main.script import Step
 from ahmss.world.link import Pending
 from ahmss.world.schema import Remove as RemoveRequest
@@ -64,6 +66,7 @@ class Agenda:
         self._announced_at = 0  # the main's frame
         self._failures = self._parts = 0
         self._now: Step | None = None
+        self._orders: list[Order] = []
         self._wrong = self._wrong_before = 0
         self.said: Callable[[str], None] = _keep_quiet
         self.follower: Follower | None = None
@@ -152,11 +155,18 @@ class Agenda:
             if failed == 0:
                 self.announce()
                 self.said(f"{self._doing}: done")
+                self._tell_of_what_is_held()
             elif failed < self._parts:
                 self.said(f"{self._doing}: done, but for what could not be")
             self._doing = self._announcement = ""
         elif self._main.report.frames >= self._announced_at:
             self.announce()
+
+    def _tell_of_what_is_held(self) -> None:
+        """Say of what was brought somewhere that a hand has it still."""
+        main = self._main
+        for sentence in still_in_hand(self._orders, main.communication.objects, self._setup.human, main.workspace):
+            main.note(sentence)
 
     def announce(self) -> None:
         """Say what is being done, if that was not said yet: not before it is known that it can be."""
@@ -208,6 +218,7 @@ class Agenda:
         orders = main.database.orders(line.acts, main.communication, actor)
         refuse_two_carriers(orders)
         main.control.begin(orders)
+        self._orders = orders
         self._doing, self._failures, self._parts = title(orders), main.control.failures, len(orders)
         self._announcement = f"{self._doing}: {lasting(orders, self._setup.rate)}"
         self._announced_at = main.report.frames + round(_REFUSED_IN * self._setup.rate)
@@ -227,8 +238,11 @@ class Agenda:
         end = main.report.frames + seconds * self._setup.rate
 
         def waits() -> bool:
-            if comparison.holds or main.report.frames < end:
-                return not comparison.holds
+            if comparison.holds:
+                self.said(f"{comparison.object} {line.state} is {spoken(comparison.value)}")
+                return False
+            if main.report.frames < end:
+                return True
             self._trouble(step, CommandError(comparison.missed(seconds)))
             return False
 

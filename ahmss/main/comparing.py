@@ -13,7 +13,7 @@ from ahmss.main.naming import find_object
 from ahmss.states.state import State
 from ahmss.world.schema import StateValue
 
-__all__ = ["Comparison"]
+__all__ = ["Comparison", "spoken"]
 
 _OPERATORS: dict[str, Callable[[Any, Any], bool]] = {
     "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
@@ -74,8 +74,7 @@ class Comparison:
     def missed(self, seconds: float) -> str:
         """What is told of it where it did not come to hold in so many seconds."""
         said = f"{self.object} {self._state} {self._operator} {self._value}"
-        now = self.value
-        return f"{said} has not come in {seconds:g} s; it is {f'{now:.3g}' if isinstance(now, float) else now}"
+        return f"{said} has not come in {seconds:g} s; it is {spoken(self.value)}"
 
     @property
     def holds(self) -> bool:
@@ -84,3 +83,8 @@ class Comparison:
         if isinstance(value, str) != isinstance(self._value, str):
             return self._operator == "!="
         return _OPERATORS[self._operator](value, self._value)
+
+
+def spoken(value: StateValue) -> str:
+    """A value as a person is told it."""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

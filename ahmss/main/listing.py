@@ -18,6 +18,7 @@ from ahmss.database.records import AlgorithmEntry, ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
 from ahmss.main.afforded import sentence_of
+from ahmss.main.counting import counted
 
 __all__ = ["check_workspace", "list_workspace", "show_table"]
 
@@ -56,7 +57,7 @@ def check_workspace(directory: Path | None, *, as_json: bool) -> int:
         print(f"note: {note}")
     print(
         f"{report.objects} objects, {report.humans} humans, {report.algorithms} algorithms, {report.motions} motions: "
-        + (f"{len(report.problems)} problems" if report.problems else "nothing is wrong")
+        + (counted(len(report.problems), "problem") if report.problems else "nothing is wrong")
     )
     return len(report.problems)
 

@@ -16,6 +16,7 @@ from typing import Any
 
 from ahmss.errors import CommandError
 from ahmss.main.command import Human
+from ahmss.main.counting import counted
 from ahmss.main.report import Report
 from ahmss.main.script import Script, read_script
 from ahmss.main.setting import make_room
@@ -67,10 +68,11 @@ class PlayReport:
         """A line for each human and for each problem."""
         lines: list[str] = []
         for main in self.mains:
+            failures = counted(int(main["failures"]), "failure")
             rate = main["frames"] / main["seconds"] if main["seconds"] else 0.0
             lines.append(
                 f"{main['human']}: {main['frames']} frames in {main['seconds']:.1f} s ({rate:.0f}/s), "
-                f"{main['late']} began late, {main['held']} held for a motion, {main['failures']} failures"
+                f"{main['late']} began late, {main['held']} held for a motion, {failures}"
             )
         return "\n".join(lines + self.problems)
 

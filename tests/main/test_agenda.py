@@ -1,4 +1,4 @@
-"""Lines that are refused before anything of them begins."""
+"""Lines that are refused before anything of them begins, and what is told when they are over."""
 
 from __future__ import annotations
 
@@ -52,3 +52,10 @@ def test_one_of_them_is_made_with_others(ken: MainProcess) -> None:
     ken.play(steps("do b march to 1 0 frames 60 with b wave", "do b march to 0 1 frames 60"))
     assert ken.report.messages == []
     np.testing.assert_allclose(ken.blending.root[:2], [0.0, 1.0], atol=0.05)
+
+
+def test_what_is_waited_for_and_holds_is_said_to_hold(ken: MainProcess) -> None:
+    said: list[str] = []
+    ken.agenda.said = said.append
+    ken.play(steps("wait b lid == shut", "set b lid open", "wait b lid == open"))
+    assert said == ["b lid is shut", "b lid is open", "b lid is open"]
