@@ -10,7 +10,7 @@ from ahmss.world.schema import HumanRecord
 
 __all__ = ["with_left_behind"]
 
-_ASK = re.compile(r"(?:, or|;) ask them to move$")
+_ASK = re.compile(r"(?:, or|;) ask them to move(?:, as by `.*`)?$")
 
 
 def with_left_behind(text: str, humans: Iterable[HumanRecord]) -> str:

@@ -291,7 +291,7 @@ class Trip:
                     self._taken += _AGAIN if self.planner.taken(others) else 0
             yield stands
             stood, again, self._waited = stood + 1, again - 1, self._waited + 1
-        raise AlgorithmError(in_vain(self.others(), self._straight(now), self.goal))
+        raise AlgorithmError(in_vain(self.others(), self._straight(now), self.goal, self.ground.outlines))
 
     def _stepped(self, away: Journey) -> Generator[Piece, None, tuple[Piece, Footing]]:
         """The frames of a step aside, unless it is called off; the frame in which one stands then, and where."""

@@ -21,6 +21,8 @@ TOLD = "; the main that moved ken is gone, and ken leaves within 10 s: do it aga
          f"ken stands in the way, where one is to stand (1 2), and does not go{TOLD}"),
         ("ken stands in the way and does not go; take another way, or ask them to move",
          f"ken stands in the way and does not go; take another way{TOLD}"),
+        ("ken stands in the way and does not go; take another way, or ask them to move, as by `ken: do x`",
+         f"ken stands in the way and does not go; take another way{TOLD}"),
         ("floor walk: waits for ken, who is in the way", f"floor walk: waits for ken, who is in the way{TOLD}"),
         ("bo-2 is in the way", "bo-2 is in the way; nobody moves bo-2 any more: `ahmss main --human bo-2` does"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -201,6 +202,27 @@ def test_who_is_told_to_be_in_the_way_is_near_to_it() -> None:
     beside = replace(behind, place=np.array([4.0, 2.3]))
     assert waits((beside,), way, way[-1]) == "waits for cy, who is too near to where one is to stand (4.00 3.00)"
     assert in_vain((beside,), way, way[-1]).startswith("cy stands in the way, too near to where one is to stand (4.00 ")
+
+
+def test_who_does_not_go_is_asked_to_go_where_there_is_room() -> None:
+    way = np.array([[0.0, 0.0], [2.0, 0.0]])
+    ken, bo = (
+        Walker(np.array(place), np.zeros(2), name=name) for place, name in (((2.1, 0.1), "ken"), ((2.1, 1.4), "bo"))
+    )
+    wall = box(2.6, 0.0, 0.2, 6.0)
+    told = in_vain((ken, bo), way, way[-1], [wall])
+    asked = re.fullmatch(
+        r"ken stands in the way, where one is to stand \(2\.00 0\.00\), and does not go; "
+        r"ask them to move, as by `ken: do floor walk to (\S+) (\S+)`", told,
+    )  # fmt: skip
+    assert asked is not None
+    x, y = float(asked[1]), float(asked[2])
+    assert np.hypot(x - 2.0, y) > 0.95
+    assert x < 2.6 - 0.2  # off the wall
+    assert np.hypot(x - 2.1, y - 1.4) > 0.95
+    assert y < -0.9  # not on the way
+    shut = [wall, box(1.0, 0.6, 4.0, 0.1), box(1.0, -0.6, 4.0, 0.1)]  # in a corridor that ends there
+    assert in_vain((ken,), way, way[-1], shut).endswith("does not go; ask them to move")
 
 
 def test_who_stands_and_leaves_little_room_is_soon_gone_by() -> None:
