@@ -35,7 +35,7 @@ def held_on(task: HumanTask, part: Part, side: str, palm: Array, holding: Holdin
     hand, field, at_rest = _shape(task, side)
     seen = at_rest.then(part.site.inverse().then(part.palm(palm))).row()
     again = rolled(hand, field, seen[None], holding)[0]
-    return again if holding.wide is None else curled(hand, again)
+    return again if holding.wide is None else curled(hand, again, field, seen[None])
 
 
 def shapes_on(
@@ -73,7 +73,7 @@ def _at_stops(task: HumanTask, part: Part, side: str, palms: Array, way: Array, 
     if flaw < _WELL or turned < _SLIPS:
         return kept
     again = rolled(hand, field, seen, holding)
-    again = again if holding.wide is None else [curled(hand, one) for one in again]
+    again = again if holding.wide is None else [curled(hand, one, field, seen) for one in again]
     shapes = np.stack([one.shape for one in again])
     return shapes if amiss(hand, field, seen, shapes) < flaw - _GAINS else kept
 
