@@ -18,7 +18,7 @@ from ahmss.motion.steps import Steps
 from ahmss.reaching.plan import Reaching
 from ahmss.skills.arm_clear import standing_about
 from ahmss.skills.before_it import all_before, around_it
-from ahmss.skills.begun import begun_at
+from ahmss.skills.come_to import come_to
 from ahmss.skills.controls import gone_to
 from ahmss.skills.reaching import Looking
 from ahmss.skills.stands import is_taken, stance_at, standing
@@ -113,9 +113,8 @@ def _thought_of(
     task: HumanTask, stand: goals.Goal, gaze: Looking, attempt: Attempt[Worked], most: float
 ) -> Generator[Array, None, Worked | None]:
     """What an attempt would come to from a stand, None: to nothing; in frames (1, 260) while that is thought of."""
-    there = stance_at(task, stand).start
-    thought = begun_at(task, there.rotations, there.root)
-    thought.notes = []
+    thought = come_to(task, stand)
+    yield from gaze.if_there_is_time()
     work = attempt(thought, Looking(thought, gaze.place, in_thought=True), None, most)
     while True:
         try:

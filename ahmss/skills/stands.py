@@ -64,9 +64,8 @@ def facing_it(place: Array, towards: Array) -> goals.Goal:
 
 
 def stance_at(task: HumanTask, stand: goals.Goal) -> Reaching:
-    """Who would stand there."""
-    rotations, root = task.human.upright()
-    rotations = rotations.copy()
+    """Who would stand there, the arms hanging as of who has come to stand."""
+    rotations, root = task.human.relaxed()
     turn = from_axis_angle(_UP, np.array(stand.facing or 0.0))
     rotations[0] = multiply(turn, rotations[0])
     return Reaching(task.human, rotations, rotate(turn, root) + np.append(stand.place, 0.0))

@@ -11,12 +11,15 @@ import pytest
 from ahmss.algorithm import HumanTask, Transform
 from ahmss.algorithm.messages import ObjectRecord
 from ahmss.body.array import Array
+from ahmss.body.inverse import grips
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
 from ahmss.skills import elsewhere
+from ahmss.skills.come_to import come_to
 from ahmss.skills.reaching import Looking
 from ahmss.walking.goals import Goal
 
+from .devices import at, device
 from .layouts import Control, Layout, used
 from .scene import WORKSPACE, Body
 
@@ -160,3 +163,16 @@ def test_of_the_places_from_where_it_comes_off_the_one_with_the_least_flaw_is_go
     assert worked == flaws[goes]
     assert tried[-1][1] == flaws[goes]
     assert len(tried) == thought_of + 2
+
+
+def test_who_thinks_of_a_stand_has_the_arms_as_who_comes_there() -> None:
+    """Hanging, or drawn in beside a thing; else another elbow comes to it there, and one goes from place to place."""
+    body, stand = Body("ken", 0.5, -0.45, 177.3), Goal(np.array([3.0, 0.0]), 0.0)
+    ring, size = [(-0.2, -0.7), (0.2, -0.7), (0.2, 0.7), (-0.2, 0.7)], {"size": [0.4, 1.4, 1.0]}
+    counter = msgspec.structs.replace(device("desk", at(3.46, 0.0, 0.0)), id=21, footprint=[ring], properties=size)
+    for world, low, high in (([], 0.7, 0.85), ([counter], 0.95, 1.2)):
+        start = msgspec.structs.replace(PANEL.start(SWITCH, body, "turn", FROM, parameters=TO), world=world)
+        there = come_to(HumanTask(start), stand)
+        palms = grips(body.skeleton, there.start.rotations, there.start.root)
+        assert low < palms[0, 2] < high
+        assert np.linalg.norm(there.start.root[:2] - stand.place) < 0.05
