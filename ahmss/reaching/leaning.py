@@ -24,7 +24,7 @@ from ahmss.motion.steps import Steps
 from ahmss.reaching.comfort import discomfort
 from ahmss.reaching.leans import Leans, past, towards
 from ahmss.reaching.prism import Prism, clearance
-from ahmss.reaching.reacher import Reacher, seat
+from ahmss.reaching.reacher import SIDES, Reacher, seat
 from ahmss.reaching.skin import MARGIN, UPPER_ARM, gaps
 from ahmss.reaching.standing import Posture, Standing
 from ahmss.reaching.trunk import trunk_points
@@ -215,7 +215,7 @@ def _least_of(
     cost += (_ARM + low * (_ON_FLOOR - _ARM)) * discomfort(reacher, np.broadcast_to(palm, (n, 7)), spine, present)[0]
     cost += _LIMIT * overbent(skeleton, seen) ** 2
     if prisms:
-        cost += _SUNK * sunk(standing, Posture(seen, made.root), prisms)
+        cost += _SUNK * sunk(standing, Posture(seen, made.root), prisms, SIDES[1 - reacher.row])
         upper = gaps(reacher, np.broadcast_to(palm, (n, 7)), spine, present, prisms)[:, UPPER_ARM]
         cost += _SUNK * (np.minimum(upper, 0.0) ** 2).sum(axis=-1)
     i = int(np.argmin(cost))
@@ -234,11 +234,14 @@ def _sinks(standing: Standing, posture: Posture, prisms: Sequence[Prism]) -> boo
     return bool(prisms) and float(sunk(standing, one, prisms)[0]) > _SINKS**2
 
 
-def sunk(standing: Standing, made: Posture, prisms: Sequence[Prism]) -> Array:
-    """How deep trunk, head and knees of postures (n) are in things, deeper than they are already: squares (n) added."""
+def sunk(standing: Standing, made: Posture, prisms: Sequence[Prism], arm: str = "") -> Array:
+    """How deep trunk, head and knees of postures (n) are in things, deeper than they are already: squares (n) added.
+
+    arm: the side whose arm hangs, and its shoulder counts with it.
+    """
     base = standing.base
-    before, thick = trunk_points(standing.skeleton, base.rotations, base.root)
-    places, _ = trunk_points(standing.skeleton, made.rotations, made.root)
+    before, thick = trunk_points(standing.skeleton, base.rotations, base.root, arm)
+    places, _ = trunk_points(standing.skeleton, made.rotations, made.root, arm)
     gap = clearance(prisms, np.concatenate([before[None], places]), max(thick)) - thick
     return (np.maximum(np.minimum(gap[0], 0.0) - gap[1:], 0.0) ** 2).sum(axis=-1)
 

@@ -33,11 +33,21 @@ _SHARES, _BACK = (
     np.array([[share] for _, share, *_ in _BALLS]),
     np.array([[0.0, 0.0, back] for _, _, back, _ in _BALLS]),
 )
+_UPPER_ARM = (0.22, 0.055)  # share of an upper arm, metres of skin around: where a shoulder ends
 _THICK = np.array([thick for *_, thick in _BALLS])
 
 
-def trunk_points(skeleton: Skeleton, rotations: Array, root: Array) -> tuple[Array, Array]:
-    """Points (..., 13, 3) of poses (..., 43, 4), (..., 3) in the world, and how thick skin is around them (13,)."""
+def trunk_points(skeleton: Skeleton, rotations: Array, root: Array, arm: str = "") -> tuple[Array, Array]:
+    """Points (..., n, 3) of poses (..., 43, 4), (..., 3) in the world, and how thick skin is around them (n,).
+
+    arm: the side whose upper arm goes along with the shoulder, by which that is deeper; left out: of neither.
+    """
     places, turned = forward(rotations, root, skeleton.offsets)
     off = _SHARES * skeleton.tips[_JOINTS] + _BACK
-    return places[..., _JOINTS, :] + rotate(turned[..., _JOINTS, :], off), _THICK
+    points = places[..., _JOINTS, :] + rotate(turned[..., _JOINTS, :], off)
+    if not arm:
+        return points, _THICK
+    shoulder, elbow = places[..., INDEX[f"{arm}_upper_arm"], :], places[..., INDEX[f"{arm}_lower_arm"], :]
+    share, thick = _UPPER_ARM
+    under = shoulder + share * (elbow - shoulder)
+    return np.concatenate([points, under[..., None, :]], axis=-2), np.append(_THICK, thick)
