@@ -184,7 +184,7 @@ class Reaching:
             gaze: (3,) what is looked at meanwhile. looked: how much of the way to it the gaze has turned before.
         """
         end, wanted, arm = found
-        palm = self._in_reach(reacher, end, wanted, gaze)
+        palm = self.in_reach(reacher, end, wanted, gaze)
         hands = self._hands(gaze, looked)
         start = hands[reacher.row]
         leant = max(_angle(self.start.rotations[link], end.rotations[link]) for link in (0, _SPINE))
@@ -225,7 +225,7 @@ class Reaching:
         begun = looking(self.skeleton, self.start.rotations, self.start.root, gaze, looked)
         return grips(self.skeleton, begun, self.start.root)
 
-    def _in_reach(self, reacher: Reacher, end: Posture, palm: Array, gaze: Array) -> Array:
+    def in_reach(self, reacher: Reacher, end: Posture, palm: Array, gaze: Array) -> Array:
         """The palm (7,), or as near to it as the arm comes without being stretched out or bent altogether."""
         seen = looking(self.skeleton, end.rotations, end.root, gaze)
         off = reacher.hand(palm)[0] - reacher.shoulder(seat(self.skeleton, seen, end.root))

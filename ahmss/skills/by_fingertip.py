@@ -6,13 +6,14 @@ One steps to where it comes off, if not from here. What the shipped algorithms t
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
+from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import finished
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import EASY, stretch_of
@@ -33,6 +34,7 @@ from ahmss.skills.smoothest import smoothest
 
 __all__ = ["Touching", "by_fingertip"]
 
+_STRAIGHT_BY = 0.6  # of the way to what is touched, by which the tip is straight before it
 _SPARSE = 3  # every so many palms show how easily an arm comes there
 _SUNK = 1000.0  # what a metre costs that an arm is in plates
 _STRETCH, _FARTHEST = 25.0, 1.5  # what an arm's length beyond what is easy costs; arms' lengths beyond which none comes
@@ -54,17 +56,41 @@ class Touching:
     way: Callable[[Array], Array]
     prisms: Sequence[Prism]
 
+    def meant(self, plan: Plan) -> Plan:
+        """The plan with the palm (7,) from which the way leads straight to what is touched.
+
+        An arm may be too short for where the tip is set first, and long enough for what it is to touch.
+        """
+        palms = self.goal.palms[plan.reacher.side]
+        palm = palms[np.abs(palms[:, 3:] @ plan.palm[3:]).argmax()]
+        return replace(plan, palm=np.concatenate([palm[:3] + self.off, palm[3:]]), short=0.0)
+
+    def course(self, plan: Plan) -> Array:
+        """Palms (n, 7) of the way of a plan, from where its arm sets the tip: soon straight to what is touched."""
+        meant = self.meant(plan).palm
+        palms = self.way(meant)
+        come = (meant[:3] - palms[:, :3]) @ self.out / float(self.off @ self.out)
+        palms[:, :3] += (1.0 - minimum_jerk(come / _STRAIGHT_BY))[:, None] * (plan.palm - meant)[:3]
+        return palms
+
+    def lacks(self, reaching: Reaching, plan: Plan) -> float:
+        """Metres by which its arm is too short for what is touched."""
+        palm = self.meant(plan).palm
+        palm[:3] -= self.off
+        return float(np.linalg.norm((reaching.in_reach(plan.reacher, plan.end, palm, self.goal.place) - palm)[:3]))
+
     def missed(self, task: HumanTask, plan: Plan, made: Performed) -> float:
         """Metres by which the tip is off what it touches."""
-        way, before = self.way(plan.palm), float(self.off @ self.out)
-        touching = (plan.palm[:3] - way[:, :3]) @ self.out >= before
-        return off_target(task, plan, made, way, touching, self.face + before * self.out)
+        meant = self.meant(plan)
+        way, before = self.course(plan), float(self.off @ self.out)
+        touching = (meant.palm[:3] - way[:, :3]) @ self.out >= before
+        return off_target(task, meant, made, way, touching, self.face + before * self.out)
 
     def perform(self, task: HumanTask, plan: Plan, gaze: Looking) -> Generator[Array, None, Performed]:
         """The frames of a plan."""
         side, reaching = plan.reacher.side, Reaching(task.human, task.start.rotations, task.start.root)
         shape = list(fingers(side)), pointing(side)
-        return performed(task, reaching, plan, gaze, shape, self.way(plan.palm))
+        return performed(task, reaching, plan, gaze, shape, self.course(plan))
 
 
 def by_fingertip(
@@ -88,10 +114,10 @@ def by_fingertip(
         reaching = Reaching(task.human, task.start.rotations, task.start.root)
         plan, made = yield from smoothest(
             task, reaching, touching.goal, gaze, touching.prisms, touching.off,
-            lambda plan: touching.perform(task, plan, gaze), touches,
+            lambda plan: touching.perform(task, plan, gaze), touches, lambda plan: touching.lacks(reaching, plan),
         )  # fmt: skip
         refuse_sunk(task, plan, made.rotations, made.root)
-        refuse_short(task, plan, touching.missed(task, plan, made))
+        refuse_short(task, touching.meant(plan), touching.missed(task, plan, made))
         refuse_head_in(task, made)
         return plan, made
 
@@ -105,7 +131,7 @@ def by_fingertip(
     refuse_head_in(task, made)  # somebody may have come meanwhile
     if waited and made.looked < 1.0:
         made = yield from touching.perform(task, plan, gaze)  # the eyes have gone on
-    refuse_short(task, plan, touching.missed(task, plan, made))
+    refuse_short(task, touching.meant(plan), touching.missed(task, plan, made))
     return task, plan, made
 
 

@@ -59,15 +59,20 @@ def tell_missed(task: HumanTask, plan: Plan) -> None:
 def refuse_short(task: HumanTask, plan: Plan, off: float) -> None:
     """Refuse to press, touch or hold what fingers do not come to: they would do it beside that.
 
+    Who uses a control has looked for another place to stand already.
+
     off: metres by which they are beside it as that is performed, at the most.
 
     Raises:
         AlgorithmError: says by how much, and what to do.
     """
     if off > EXACT:
+        thing = task.object
+        tried = task.library is not None and thing is not None and "box" in thing.properties
+        helps = "have somebody taller do it, or move it" if tried else come_nearer(task)
         raise AlgorithmError(
             f"the {plan.reacher.side} hand stops {1000.0 * off:.0f} mm short of it, as far as the arm goes "
-            f"past what is in the way from here; {come_nearer(task)}"
+            f"past what is in the way from here; {helps}"
         )
     tell_missed(task, plan)
 
