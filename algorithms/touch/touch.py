@@ -26,9 +26,9 @@ from ahmss.skills.by_fingertip import Touching, by_fingertip
 from ahmss.skills.keeping import kept_clear
 from ahmss.skills.reaching import Looking, prisms_of, sides_of
 
-BEFORE, BACK = 0.035, 0.045  # metres before the glass at which the finger is set, and to which it is drawn back
+BEFORE, BACK = 0.035, 0.13  # metres before the glass at which the finger is set, and to which it is drawn back
 ONTO = 0.0003  # metres that the pad gives way
-COMES, STAYS, LEAVES = 0.18, 0.1, 0.3  # seconds
+COMES, STAYS, LEAVES = 0.18, 0.1, 0.42  # seconds
 DRAWN, A_BIT, FINELY = 0.3, 0.13, 0.012  # seconds at least, and for each bit; metres of how exactly it is to arrive
 THERE = 0.32  # metres from the place within which a hand is there already
 UNSAID = -0.5  # less than any place that is said

@@ -13,6 +13,7 @@ from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.smoothness import worst_pop
+from ahmss.reaching.leaning import looking
 
 from .devices import UP, acting, before, begun, device, mover
 from .scene import WORKSPACE, Body, program
@@ -74,12 +75,27 @@ def test_a_tap_comes_onto_the_field_and_off_again(seed: int) -> None:
     assert tip[on, 0].min() > -0.002
     assert panel.in_glass(body, [shown[k] for k in on]) < 0.001
     assert 0.05 < len(on) / 60.0 < 0.22
-    assert tip[-1, 0] > 0.03
+    assert tip[-1, 0] > 0.08
     assert worst_pop(np.array([pose.rotations for pose in shown])).degrees < 1.5
     told = panel.told(body, start, shown)
     assert {"touched": "start", "power": "on"} in told
     assert told[-1] == {}
     assert {"touched": ""} in told
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_who_has_tapped_and_looks_aside_has_the_hand_clear(seed: int) -> None:
+    """The trunk turns with the eyes, and takes the hand along: a fingertip was 20 mm in the panel's edge."""
+    panel = Panel(seed)
+    body, _, shown = panel.touched({"page": "pump"}, field="start")
+    eyes = shown[-1].root + 0.6 * UP
+    for aside in np.radians([-90.0, 90.0]):
+        turned = rotate(from_axis_angle(UP, aside), panel.frame.place - eyes)
+        rotations = looking(body.skeleton, shown[-1].rotations, shown[-1].root, eyes + turned)
+        seen = HumanPose(rotations, shown[-1].root, shown[-1].importance, shown[-1].targets)
+        out = rotate(panel.frame.rotation, np.array([1.0, 0.0, 0.0]))
+        tip = skins(body, [seen], acting(shown), -out)[0]
+        assert float((tip - panel.frame.apply(GLASS)) @ out) > 0.03
 
 
 @pytest.mark.parametrize("seed", SEEDS[:2] + SEEDS[4:])
