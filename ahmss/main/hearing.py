@@ -41,16 +41,18 @@ class Hearing:
     def fail(self, reason: str) -> None:
         """Something went wrong."""
         self.failures += 1
-        self.say(self._of_whom(reason))
+        self.say(self._of_whom(reason, in_vain=True))
 
     def tell(self, order: Order, text: str) -> None:
         """An algorithm has something to say; what states its object has, as they are now."""
         thing = self._communication.objects.get(order.object)
-        self.note(self._of_whom(f"{order.title}: {told(text, thing.states if thing is not None else {})}"))
+        self.note(
+            self._of_whom(f"{order.title}: {told(text, thing.states if thing is not None else {})}", in_vain=False)
+        )
 
-    def _of_whom(self, text: str) -> str:
+    def _of_whom(self, text: str, *, in_vain: bool) -> str:
         """What is said, with what there is to know of those whom it names."""
-        return with_left_behind(text, self._communication.world.humans.values())
+        return with_left_behind(text, self._communication.world.humans.values(), in_vain=in_vain)
 
     def change_states(self, state: State) -> None:
         """An algorithm has changed the states of an object."""

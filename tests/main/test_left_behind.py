@@ -28,9 +28,11 @@ TOLD = "; the main that moved ken is gone, and ken leaves within 10 s: do it aga
     ],
 )  # fmt: skip
 def test_of_who_is_left_behind_it_is_told_when_they_leave(text: str, said: str) -> None:
-    assert with_left_behind(text, [KEN, AIKO, STOOD]) == said
+    assert with_left_behind(text, [KEN, AIKO, STOOD], in_vain=True) == said
+    waits = said.removesuffix(": do it again then")
+    assert with_left_behind(text, [KEN, AIKO, STOOD], in_vain=False) == waits
 
 
 @pytest.mark.parametrize("text", ["aiko does not go; ask them to move", "bo is in the way", "the token is taken", ""])
 def test_of_others_nothing_is_added(text: str) -> None:
-    assert with_left_behind(text, [KEN, AIKO, STOOD]) == text
+    assert with_left_behind(text, [KEN, AIKO, STOOD], in_vain=True) == text
