@@ -36,6 +36,8 @@ class Channel(ABC):
     is known only with its second frame; from then on it is the source with a decaying offset.
     """
 
+    _leap = np.inf  # metres or radians by which a source moves in a frame at the most: what is more is no velocity
+
     def __init__(
         self, rows: int, rate: float, seconds: float = _SECONDS, fastest: float = np.inf, stop: float = 0.0
     ) -> None:
@@ -112,7 +114,11 @@ class Channel(ABC):
         first, output, following = self._waiting
         chosen = self._frame == 1
         offset, next_offset = self._two_differences((first, output), (source, following))
-        self._speed[chosen] = (next_offset - offset)[chosen]
+        # A source whose first frame was but the pose as it was, while it thought, goes on from the second one.
+        leaps = (np.linalg.norm(next_offset - offset, axis=-1) > self._leap)[:, None]
+        going = self._difference(output, following)
+        self._speed[chosen] = np.where(leaps, going, next_offset - offset)[chosen]
+        offset = np.where(leaps, next_offset - going, offset)
         self._offset[chosen] = offset[chosen] + FARTHER * self._stop * self._speed[chosen]
         self._waiting = None
         if self._fastest < np.inf:
@@ -154,6 +160,8 @@ class Places(Channel):
 
 class Rotations(Channel):
     """Rows of unit quaternions (rows, 4); differences are rotation vectors in the rotated frame, radians."""
+
+    _leap = np.radians(20.0)
 
     def _difference(self, a: Array, b: Array) -> Array:
         return _logarithm(_short(multiply(conjugate(a), b)))

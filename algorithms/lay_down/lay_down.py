@@ -27,7 +27,7 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.performing import Fingers, Performed
 from ahmss.reaching.plan import Plan, Reaching
-from ahmss.reaching.prism import Prism, clearance
+from ahmss.reaching.prism import Prism, clearance, in_the_way
 from ahmss.reaching.reacher import Reacher, heading_of
 from ahmss.reaching.skin import skin_of
 from ahmss.skills.around import half_closed, half_of
@@ -232,11 +232,12 @@ def _past_oneself(
 
 
 def _depth(task: HumanTask, made: Performed) -> float:
-    """Metres by which forearm or hand are in things at some frame, the last ones too."""
+    """Metres by which forearm or hand are in things at some frame, the last ones too; what one sits on is none."""
     points, radii = skin_of(made.plan.reacher, made.rotations[::EVERY], made.root[::EVERY])
     far = float(radii.max())
     low, high = points.min(axis=(0, 1)) - far, points.max(axis=(0, 1)) + far
-    near = [prism for prism in _prisms(task) if not prism.sought and prism.meets(low, high)]
+    around = in_the_way(_prisms(task), task.start.root, task.start.root)
+    near = [prism for prism in around if not prism.sought and prism.meets(low, high)]
     return float((radii - clearance(near, points, far)).max()) if near else 0.0
 
 

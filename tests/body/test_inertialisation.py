@@ -137,6 +137,18 @@ def test_half_a_turn_away_has_no_jump():
     assert np.linalg.norm(steps(out), axis=-1).max() < 20.0  # a jump would be 180
 
 
+def test_a_source_that_leaps_after_its_first_frame_is_no_fast_one():
+    """The first frame of who thinks before a motion is the pose as it is: what follows was taken for its velocity."""
+    bent = np.tile(turn(0.7, 0.0, 0.0), (6, 43, 1))
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (60, 43, 1))
+    out, _, inertialiser = play(np.concatenate([bent, upright]), {5: ALL})
+    assert np.linalg.norm(steps(out), axis=-1).max() < 5.3 + 1e-6
+    angles = 2.0 * np.arctan2(out[:, 0, 1], out[:, 0, 0])
+    assert angles.min() > -0.01
+    assert inertialiser.settled
+    assert np.allclose(np.abs(out[-1]), upright[-1])
+
+
 def test_a_jump_that_is_meant_is_not_smoothed():
     inertialiser = Inertialiser(RATE)
     (a, root), (b, _) = SKELETON.upright(), natural_pose(SKELETON, np.random.default_rng(1))
