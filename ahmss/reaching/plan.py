@@ -225,13 +225,14 @@ class Reaching:
         begun = looking(self.skeleton, self.start.rotations, self.start.root, gaze, looked)
         return grips(self.skeleton, begun, self.start.root)
 
-    def in_reach(self, reacher: Reacher, end: Posture, palm: Array, gaze: Array) -> Array:
-        """The palm (7,), or as near to it as the arm comes without being stretched out or bent altogether."""
+    def in_reach(self, reacher: Reacher, end: Posture, palms: Array, gaze: Array) -> Array:
+        """Palms (..., 7), or as near to them as the arm comes without being stretched out or bent altogether."""
         seen = looking(self.skeleton, end.rotations, end.root, gaze)
-        off = reacher.hand(palm)[0] - reacher.shoulder(seat(self.skeleton, seen, end.root))
-        distance = float(np.linalg.norm(off))
-        kept = min(max(distance, _BENT * reacher.shortest), _STRAIGHT * reacher.length)
-        return np.concatenate([palm[:3] + (kept - distance) / max(distance, 1e-9) * off, palm[3:]])
+        off = reacher.hand(palms)[0] - reacher.shoulder(seat(self.skeleton, seen, end.root))
+        distance = np.linalg.norm(off, axis=-1, keepdims=True)
+        kept = np.clip(distance, _BENT * reacher.shortest, _STRAIGHT * reacher.length)
+        places = palms[..., :3] + (kept - distance) / np.maximum(distance, 1e-9) * off
+        return np.concatenate([places, palms[..., 3:]], axis=-1)
 
 
 def _angle(a: Array, b: Array) -> float:

@@ -13,7 +13,6 @@ import numpy as np
 from ahmss.algorithm.task import HumanTask
 from ahmss.body.array import Array
 from ahmss.body.links import fingers
-from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.steps import finished
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.leaning import EASY, stretch_of
@@ -34,7 +33,6 @@ from ahmss.skills.smoothest import smoothest
 
 __all__ = ["Touching", "by_fingertip"]
 
-_STRAIGHT_BY = 0.6  # of the way to what is touched, by which the tip is straight before it
 _SPARSE = 3  # every so many palms show how easily an arm comes there
 _SUNK = 1000.0  # what a metre costs that an arm is in plates
 _STRETCH, _FARTHEST = 25.0, 1.5  # what an arm's length beyond what is easy costs; arms' lengths beyond which none comes
@@ -65,13 +63,9 @@ class Touching:
         palm = palms[np.abs(palms[:, 3:] @ plan.palm[3:]).argmax()]
         return replace(plan, palm=np.concatenate([palm[:3] + self.off, palm[3:]]), short=0.0)
 
-    def course(self, plan: Plan) -> Array:
-        """Palms (n, 7) of the way of a plan, from where its arm sets the tip: soon straight to what is touched."""
-        meant = self.meant(plan).palm
-        palms = self.way(meant)
-        come = (meant[:3] - palms[:, :3]) @ self.out / float(self.off @ self.out)
-        palms[:, :3] += (1.0 - minimum_jerk(come / _STRAIGHT_BY))[:, None] * (plan.palm - meant)[:3]
-        return palms
+    def course(self, reaching: Reaching, plan: Plan) -> Array:
+        """Palms (n, 7) of the way of a plan: straight to what is touched and away, as far as the arm comes."""
+        return reaching.in_reach(plan.reacher, plan.end, self.way(self.meant(plan).palm), self.goal.place)
 
     def lacks(self, reaching: Reaching, plan: Plan) -> float:
         """Metres by which its arm is too short for what is touched."""
@@ -82,15 +76,19 @@ class Touching:
     def missed(self, task: HumanTask, plan: Plan, made: Performed) -> float:
         """Metres by which the tip is off what it touches."""
         meant = self.meant(plan)
-        way, before = self.course(plan), float(self.off @ self.out)
+        way, before = self.way(meant.palm), float(self.off @ self.out)
         touching = (meant.palm[:3] - way[:, :3]) @ self.out >= before
         return off_target(task, meant, made, way, touching, self.face + before * self.out)
 
     def perform(self, task: HumanTask, plan: Plan, gaze: Looking) -> Generator[Array, None, Performed]:
         """The frames of a plan."""
-        side, reaching = plan.reacher.side, Reaching(task.human, task.start.rotations, task.start.root)
+        side, reaching = plan.reacher.side, _reaching(task)
         shape = list(fingers(side)), pointing(side)
-        return performed(task, reaching, plan, gaze, shape, self.course(plan))
+        return performed(task, reaching, plan, gaze, shape, self.course(reaching, plan))
+
+
+def _reaching(task: HumanTask) -> Reaching:
+    return Reaching(task.human, task.start.rotations, task.start.root)
 
 
 def by_fingertip(
@@ -111,7 +109,7 @@ def by_fingertip(
             amiss = max(touching.missed(task, plan, made) - EXACT, 0.0) + beyond(deep)
             return crowding(task, made, plan.reacher.side) + amiss
 
-        reaching = Reaching(task.human, task.start.rotations, task.start.root)
+        reaching = _reaching(task)
         plan, made = yield from smoothest(
             task, reaching, touching.goal, gaze, touching.prisms, touching.off,
             lambda plan: touching.perform(task, plan, gaze), touches, lambda plan: touching.lacks(reaching, plan),

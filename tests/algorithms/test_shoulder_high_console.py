@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ahmss.algorithm import Transform, WorldObject
+from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.reaching.goal import Goal
@@ -16,7 +17,7 @@ from ahmss.reaching.leaning import Stretch
 from ahmss.reaching.path import curves
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import clearance
-from ahmss.reaching.reacher import Reacher
+from ahmss.reaching.reacher import Reacher, seat
 from ahmss.reaching.skin import bare_arm
 from ahmss.skills.box import filled
 from ahmss.skills.by_fingertip import Touching
@@ -66,24 +67,32 @@ def test_who_leans_over_it_has_neither_arm_in_it(
 def test_a_finger_that_is_set_short_of_where_it_is_to_be_set_comes_straight_to_what_it_touches() -> None:
     """Over a high plate an arm may come to a button, and not to where the finger is set over it: it was refused."""
     body, up = Body("ken"), np.array([0.0, 0.0, 1.0])
-    face, off = np.array([0.45, -0.2, 1.2]), 0.035 * up
-    palm = np.array([0.4, -0.2, 1.3, 1.0, 0.0, 0.0, 0.0])
-    depths = np.linspace(0.0, 0.04, 21)
+    reaching, reacher = Reaching(body.skeleton, body.rotations, body.root), Reacher.of(body.skeleton, "right")
+    shoulder = reacher.shoulder(seat(body.skeleton, body.rotations, body.root))
+    face, off = shoulder + np.array([0.5, 0.0, 0.25]), 0.035 * up
+    wrist = shoulder + 0.97 * reacher.length * np.array([0.8, 0.0, 0.6])
+    palm = np.array([*wrist, 1.0, 0.0, 0.0, 0.0])
+    palm[:3] += wrist - reacher.hand(palm)[0]
+    depths = np.concatenate([np.linspace(0.0, 0.04, 21), np.linspace(0.04, -0.06, 51)])
 
-    def way(palm: np.ndarray) -> np.ndarray:
+    def way(palm: Array) -> Array:
         return np.concatenate([palm[:3] - depths[:, None] * up, np.tile(palm[3:], (len(depths), 1))], axis=1)
 
     touching = Touching(Goal(face, palms={"right": palm[None]}), off, up, face, way, ())
-    reaching = Reaching(body.skeleton, body.rotations, body.root)
-    set_at = np.concatenate([palm[:3] + off - (0.02, 0.0, 0.0), palm[3:]])
-    hands, reacher = grips(body.skeleton, body.rotations, body.root), Reacher.of(body.skeleton, "right")
+    over = np.concatenate([palm[:3] + off, palm[3:]])
+    set_at = reaching.in_reach(reacher, reaching.start, over, face)
+    short = float(np.linalg.norm((set_at - over)[:3]))
+    assert short > 0.003
+    hands = grips(body.skeleton, body.rotations, body.root)
     plan = Plan(
         reacher, None, reaching.start, reaching.start, hands, set_at, curves(hands[0], set_at, reaching.heading)[0],
-        Stretch(0.0, True, 0.0, 0.9), 0.0, (), short=0.02,
+        Stretch(0.0, True, 0.0, 0.9), 0.0, (), short=short,
     )  # fmt: skip
-    goes, straight = touching.course(plan), way(np.concatenate([palm[:3] + off, palm[3:]]))
+    goes, straight = touching.course(reaching, plan), way(over)
     np.testing.assert_allclose(goes[0], set_at, atol=1e-9)
     near = depths > 0.025  # the last centimetre before the face, and in it
     np.testing.assert_allclose(goes[near], straight[near], atol=1e-9)
+    back = goes[depths < 0.0]  # and no farther than the arm comes
+    np.testing.assert_allclose(reaching.in_reach(reacher, reaching.start, back, face), back, atol=1e-9)
     assert touching.meant(plan).short == 0.0
     assert touching.lacks(reaching, plan) == pytest.approx(0.0, abs=1e-9)
