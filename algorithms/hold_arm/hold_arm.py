@@ -2,7 +2,7 @@
 
 For a hand that carries something while the body does something else. What shall not be spilled is kept level: the wrist
 gives way as far as it goes, as a person's does who carries a full cup. Where the hand would be in a thing it goes
-aside.
+aside. The head does not turn into what the hand has at it.
 """
 
 from __future__ import annotations
@@ -14,15 +14,18 @@ import numpy as np
 
 from ahmss.algorithm import HumanTask, importance_of, run
 from ahmss.body.array import Array
+from ahmss.body.inverse import GAZE
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS
 from ahmss.body.quaternion import between, conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 from ahmss.motion.easing import minimum_jerk
 from ahmss.skills.giving_way import GivingWay
+from ahmss.skills.steady_head import SteadyHead
 
 ENDLESS = 60  # frames that are given at a time to who does not say how many
 MOST, SOFT = np.radians(35.0), np.radians(10.0)  # that the wrist gives way, and the last part of it
 LEVELLED_IN = 0.7  # seconds
+STEADY = 10.0  # how much it cares for the head that it has something at: a look at something is at 0.5
 CARES = 20.0  # times as much an arm is cared for that is aside: of a walk's, which hangs, even a little is much
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -49,6 +52,9 @@ def _carrying(task: HumanTask, side: str, importance: Array) -> Iterator[Array]:
     arm = slice(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1)
     giving_way, begun = GivingWay(task, side), task.start
     level = _Level(task, side) if task.parameter("level", False) else None
+    steady, targets = SteadyHead.of(task, side), np.zeros((1, 5, 8))
+    if steady is not None:
+        importance[INDEX["head"]] = STEADY
     for k in itertools.count(1) if not task.length else range(1, task.length + 1):
         rotations = task.present.rotations.copy()
         rotations[arm] = begun.rotations[arm]
@@ -59,7 +65,9 @@ def _carrying(task: HumanTask, side: str, importance: Array) -> Iterator[Array]:
         rotations[arm] = arms
         cares = importance.copy()
         cares[arm] *= 1.0 + CARES * giving_way.share
-        yield task.block(rotations[None], begun.root[None], cares)
+        if steady is not None:
+            targets[0, GAZE] = steady.target()
+        yield task.block(rotations[None], begun.root[None], cares, targets)
 
 
 class _Level:
