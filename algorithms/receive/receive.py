@@ -8,7 +8,6 @@ changed hands, and who has it now until the other's hand is away from it.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sequence
 
 import numpy as np
@@ -18,7 +17,7 @@ from ahmss.algorithm.messages import Goal as MessageGoal
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
-from ahmss.body.links import INDEX, fingers
+from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle, rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.hand import Hand
@@ -32,21 +31,15 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.beside_hand import InHand, in_their_hand
-from ahmss.skills.company import Watching, aside_of, settled
 from ahmss.skills.grasping import Closing, closing, closing_into, field_at, read_shape
+from ahmss.skills.held_out import until_held_out
 from ahmss.skills.margins import Margin, margins
 from ahmss.skills.meanwhile import waited
-from ahmss.skills.meeting import FACING, again, come_to
+from ahmss.skills.meeting import again
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, goal_of, performed, prisms_of
 
-NEAR = 1.45  # metres to who gives, from where on it may be held out
-SHARES = (0.35, 0.68)  # of the way to them, between which it is held out
-LOW, EYES = 0.66, 0.936  # of the mean stature: up to where a thing is held out; how high eyes are
-STILL, FRAMES = 0.004, 10  # metres in so many frames
-TELLS = 0.5  # seconds after which it is told that one waits
-CAME, LONG = 0.06, 2.5  # metres from where the giver had it at first; seconds that it is still where it has not come
 MOVED, TRIES = 0.04, 3  # metres that it may have moved while the hand came to it; times that the hand comes
 ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist needs it
 TOO_FAR = 0.12  # metres from palm to thing beyond which closing the hand would catch nothing
@@ -68,7 +61,7 @@ def receive(task: HumanTask) -> Iterator[Array | HumanPose]:
     read_shape(task)
     first = None
     for _ in range(TRIES):
-        yield from _until_held_out(task, whom)
+        yield from until_held_out(task, whom)
         task.arrived()
         begun = again(task)
         first = first or begun
@@ -149,41 +142,6 @@ def _closing(task: HumanTask, side: str, held: InHand | None, palm: Array) -> St
         if held is not None and away < AT:
             return (yield from closing_into(task, side, holding, TOO_FAR, held.both))
     return (yield from closing(task, side, TOO_FAR))
-
-
-def _until_held_out(task: HumanTask, whom: WorldObject) -> Iterator[Array | HumanPose]:
-    """One looks at them, turns to them when they are near, and sees whether the thing is between both and still."""
-    assert task.object is not None
-    watching, track, stands = Watching(task, whom), deque[Array](maxlen=FRAMES), deque[Array](maxlen=FRAMES)
-    importance = np.zeros(44)
-    importance[INDEX["head"]] = 1.0
-    had = whom.frame.inverse().apply(task.object.place)
-    still = 0
-    for k in range(1, round(task.parameter("patience", 30.0) * task.rate) + 1):
-        task.refuse_rest()
-        targets = np.zeros((5, 8))
-        targets[GAZE] = watching.gaze(0.0, 0.0, k)
-        yield task.pose({}, None, importance, targets)
-        if k == round(TELLS * task.rate):
-            task.note(f"waits for {whom.name} to hold {task.object.name} out")
-        here, _ = floor_frame(task.present.rotations, task.present.root)
-        way = (whom.place - here)[:2]
-        distance = float(np.hypot(*way))
-        track.append(task.object.place.copy())
-        stands.append(whom.place.copy())
-        if distance > NEAR or not settled(stands, FRAMES, 5.0 * STILL):
-            continue
-        if abs(aside_of(task, whom.place)) > FACING:
-            yield from come_to(task, whom, (0.0, distance, NEAR))
-        share = float((task.object.place - here)[:2] @ way) / distance**2
-        mean = 0.5 * (task.human.stature + float(whom.site("eyes", here).place[2]) / EYES)
-        low = float(task.object.place[2]) < LOW * mean  # what is held before the eyes is read, not held out
-        still = still + 1 if settled(track, FRAMES, STILL) else 0
-        came = float(np.linalg.norm(whom.frame.inverse().apply(task.object.place) - had)) > CAME
-        if SHARES[0] < share < SHARES[1] and low and still > (0 if came else LONG * task.rate):
-            return
-    seconds = task.parameter("patience", 30.0)
-    raise AlgorithmError(f"{whom.name} has not held out {task.object.name} within {seconds:g} s")
 
 
 def _goal(task: HumanTask) -> Goal:
