@@ -52,7 +52,7 @@ def _places(workspace: Workspace, kind: str) -> Iterator[Array]:
         names = [name for name in (affordance.human_algorithm, affordance.object_algorithm) if name]
         if site in told or not any(workspace.algorithms.find(name).shape for name in names):
             continue
-        if site not in record.sites and not affordance.hold:  # a floor: hands reach over it for a place, not for it
-            continue
+        if site not in record.sites and affordance.hold in ("", "keep"):
+            continue  # a floor: hands reach over it for a place, not for it; what is carried is in the hand already
         told.add(site)
         yield np.array(record.sites[site].position) if site in record.sites else np.zeros(3)
