@@ -156,7 +156,7 @@ class LockstepServer(Server):
         """Let viewers see the last tick, 60 times a second of the clock on the wall."""
         if self._latest.tick != self.tick and not self.space.changes.is_structural:
             self._latest = self.space.snapshot(self.tick, 0.0)
-        self.publisher.send(_at(self._latest, time.time()), now, self.tick_s, len(self.sessions))
+        self.publisher.send(_at(self._latest, time.time()), now, self.tick_s, self.sockets.listeners())
 
 
 def _at(snapshot: schema.Snapshot, now: float) -> schema.Snapshot:

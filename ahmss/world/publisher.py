@@ -16,7 +16,7 @@ from ahmss.world.space import Space
 __all__ = ["Publisher"]
 
 _GATHER_S = 0.001
-_FAN_OUT_S = 25e-6  # that a snapshot costs for each client; ten mains, each in its own time, made hundreds a second
+_FAN_OUT_S = 25e-6  # that a snapshot costs for each listener; ten mains, each in its own time, made hundreds a second
 _SHARE = 0.05  # of a processor that may go into that
 _BYTES_A_SECOND = 40e6
 _FLUSH_S = 1.0
@@ -27,7 +27,7 @@ class Publisher:
 
     A frame is not kept back for the tick: it goes out at once when every human has delivered, else 1 ms after the first
     one came, so that a viewer sees it early whatever the phase of its main. Large worlds are sent less often, so that
-    a subscriber gets no more than 40 MB/s, and so they are to many clients; but once a tick.
+    a subscriber gets no more than 40 MB/s, and so they are to many listeners; but once a tick.
     """
 
     def __init__(self, space: Space, socket: zmq.Socket[bytes], log: Callable[[str], None]) -> None:
@@ -54,18 +54,18 @@ class Publisher:
             return float("inf")
         return max(self._first_at + (0.0 if everybody else _GATHER_S), self._sent_at + self._gap_s)
 
-    def publish(self, tick: int, now: float, tick_s: float, clients: int) -> None:
+    def publish(self, tick: int, now: float, tick_s: float, listeners: int) -> None:
         """Send the world as it is now, settled, to so many."""
         self._sequence += 1
         snapshot = msgspec.structs.replace(self._space.snapshot(tick, time.time()), sequence=self._sequence)
-        self.send(snapshot, now, tick_s, clients)
+        self.send(snapshot, now, tick_s, listeners)
 
-    def send(self, snapshot: Snapshot, now: float, tick_s: float, clients: int) -> None:
+    def send(self, snapshot: Snapshot, now: float, tick_s: float, listeners: int) -> None:
         """Send a snapshot to all subscribers, who are so many at the most."""
         data = encode(snapshot)
         self._socket.send(data, zmq.NOBLOCK)
         self._first_at, self._sent_at = 0.0, now
-        self._gap_s = min(max(len(data) / _BYTES_A_SECOND, clients * _FAN_OUT_S / _SHARE), tick_s)
+        self._gap_s = min(max(len(data) / _BYTES_A_SECOND, listeners * _FAN_OUT_S / _SHARE), tick_s)
 
     def write(self, snapshot: Snapshot, now: float) -> None:
         """Add a tick to the recording, if there is one. A full disk is said once and ends the recording only."""

@@ -126,7 +126,7 @@ class RealTimeServer(Server):
         self.flush()
         self.space.settle()
         self.keep(self.space.take_changes())  # first: what was seen outlives a killed server
-        self.publisher.publish(self.tick, now, self.tick_s, len(self.sessions))
+        self.publisher.publish(self.tick, now, self.tick_s, self.sockets.listeners())
         self.intake.frames.clear()
 
     def _account(self, busy: float, done: float, due: float) -> float:

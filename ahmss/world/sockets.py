@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import zmq
+from zmq.utils.monitor import parse_monitor_message
 
 from ahmss.errors import WorldError
 from ahmss.world.address import Address
@@ -15,6 +17,8 @@ from ahmss.world.ports import check_host, free_port, is_taken
 from ahmss.world.schema import Done, Reply, encode
 
 __all__ = ["WAIT_MS", "Sockets"]
+
+_READABLE = int(zmq.POLLIN)
 
 WAIT_MS = 15
 """How long a receive without NOBLOCK waits."""
@@ -42,6 +46,8 @@ class Sockets:
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self.doorkeeper = None if keys is None else Doorkeeper(self._context, keys.authorised)
         self.router, self.publisher = self._make_router(address), self._make_publisher(address)
+        self._comings = self.publisher.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED)
+        self._listeners = 0
         try:
             self.address, self.snapshots = self._bind_both(address)
         except zmq.ZMQError as error:
@@ -51,6 +57,8 @@ class Sockets:
     def close(self) -> None:
         """Close all; what was sent just before is given 0.1 s to leave."""
         self.router.close()
+        self.publisher.disable_monitor()
+        self._comings.close()
         self.publisher.close()
         if self.doorkeeper is not None:
             self.doorkeeper.close()
@@ -58,6 +66,13 @@ class Sockets:
         if self.address.path:
             for endpoint in (self.address.endpoint(), self.address.endpoint(1)):
                 Path(endpoint.removeprefix("ipc://")).unlink(missing_ok=True)
+
+    def listeners(self) -> int:
+        """How many are connected to where snapshots go out."""
+        while cast(int, self._comings.getsockopt(zmq.EVENTS)) & _READABLE:
+            came = parse_monitor_message(self._comings.recv_multipart(zmq.NOBLOCK))["event"] == zmq.EVENT_ACCEPTED
+            self._listeners += 1 if came else -1
+        return self._listeners
 
     def reply(self, identity: bytes, reply: Reply) -> bool:
         """Send to one client, or drop it: who does not read must not hold up the others. False: nobody is there."""
