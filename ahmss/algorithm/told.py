@@ -248,8 +248,14 @@ class Task:
             )
 
     def _move(self, k: float, number: int, row: Array) -> None:
-        """An object is elsewhere now, at frame k; one that is not known is not missed, a human who has come is."""
+        """An object is elsewhere now, at frame k; one that is not known is not missed, a human who has come is.
+
+        A human who has left is in the world no longer.
+        """
         place, rotation = row[1:4], row[4:8]
+        if number < 0 and np.isnan(place[0]):
+            self.world.pop(number, None)
+            return
         if number in self._sites:
             self._sites[number].moved[number] = Transform(place.copy(), rotation.copy())
             return

@@ -45,7 +45,7 @@ class People:
     def moved(self, world: World, own: str) -> Array:
         """Rows (n, 8) of id, place, rotation of the other humans that moved, or mean to, since the last call.
 
-        Of who has gone and had told a way there is a row once more, so that nobody waits for them.
+        Of who has gone there is a row of NaN, so that nobody waits for them.
         """
         before = self._numbers, self._hips, self._ways
         numbers, hips, ways = self._numbers, self._hips, self._ways = _others(world, own)
@@ -53,8 +53,10 @@ class People:
             changed = (hips != before[1]).any(axis=1)
             changed |= ((ways != before[2]) & ~(np.isnan(ways) & np.isnan(before[2]))).any(axis=1)
             return _rows(numbers[changed], hips[changed])
-        gone = ~np.isin(before[0], numbers) & ~np.isnan(before[2][:, 0])
-        return _rows(np.concatenate([numbers, before[0][gone]]), np.concatenate([hips, before[1][gone]]))
+        left = before[0][~np.isin(before[0], numbers)]
+        gone = np.full((len(left), 8), np.nan)
+        gone[:, 0] = -left.astype(np.float64)
+        return np.concatenate([_rows(numbers, hips), gone])
 
     def ways(self, numbers: Array) -> Array:
         """(n, 12) the ways of humans now, by the ids (n,) of their rows; NaN of who tells none, or is gone."""

@@ -13,6 +13,7 @@ from ahmss.algorithm.performance import Performance
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import ProtocolError, ShapeError
+from ahmss.skills.stepping import walkers
 
 STEP = np.array([0.25, 0.0, 0.0])
 Y, Z = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -200,6 +201,16 @@ def test_a_human_who_comes_later_is_among_the_others(make_start):
     assert list(task.world) == [-3]
     assert task.world[-3].kind == "human"
     np.testing.assert_array_equal(task.world[-3].place, [1, 2, 0])
+
+
+def test_a_human_who_has_left_is_not_waited_for(make_start):
+    other = ObjectRecord(-4, "aiko", "human", (1.0, 2.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    task = HumanTask(make_start(world=[other]))
+    assert [one.name for one in walkers(task)] == ["aiko"]
+    gone = [[-4, *np.full(7, np.nan)], [-5, *np.full(7, np.nan)]]  # the latter was never told of
+    task.see(np.concatenate([np.zeros(190), np.ravel(gone)]))
+    assert walkers(task) == []
+    assert not task.world
 
 
 def test_what_an_object_occupies_goes_where_it_goes(make_start):
