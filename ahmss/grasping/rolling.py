@@ -17,6 +17,7 @@ from ahmss.grasping.holding import Holding
 __all__ = ["amiss", "rolled", "wrapped_at"]
 
 RISES = np.radians([22.0, 8.0, 0.0, 40.0, 55.0])  # planes of a thumb that wraps, out of the palm to its own side
+_THUMB, _INDEX, _OTHERS = slice(0, 2), slice(2, 5), slice(2, None)  # of the links of a hand's fingers
 MOST = 0.45  # radians that a joint goes on from how it took hold
 
 
@@ -42,11 +43,15 @@ def rolled(hand: Hand, field: Field, palms: Array, holding: Holding) -> list[Hol
     return made
 
 
-def amiss(hand: Hand, field: Field, palms: Array, shapes: Array) -> float:
-    """Metres by which fingers (n, 14, 4) are in what they pinch at the most, or the thumb or all others are off it."""
+def amiss(hand: Hand, field: Field, palms: Array, shapes: Array, *, alone: bool = False) -> float:
+    """Metres by which fingers (n, 14, 4) are in what they pinch at the most, or the thumb or all others are off it.
+
+    alone: thumb and index finger hold it, and the others, in the palm, hold nothing where they touch it.
+    """
     gaps = hand.gaps(field, palms, shapes)
-    thumb, others = gaps[:, :2].min(axis=1), gaps[:, 2:].min(axis=1)
-    return float(np.maximum(np.abs(thumb), np.abs(others)).max())
+    thumb, others = gaps[:, _THUMB].min(axis=1), gaps[:, _INDEX if alone else _OTHERS].min(axis=1)
+    off, deep = np.maximum(thumb, others), -gaps.min(axis=1)
+    return float(np.maximum(off, deep).max())
 
 
 def wrapped_at(hand: Hand, field: Field, palms: Array, nearly: Array) -> Generator[None, None, Array]:

@@ -22,11 +22,12 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 
-__all__ = ["led"]
+__all__ = ["led", "stays_held"]
 
 _FINGERS = ("index", "middle", "ring", "little")
 _BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
-_PINCHED = 0.8  # of the opening that thumb and index finger came with: so near to each other they have closed
+_PINCHED = 0.8  # of the opening that thumb and index finger came with: so near to each other they have closed,
+_CLOSER = 0.012  # metres, or by so much nearer, about what is thick
 _STILL = 0.001  # metres that they go in a frame when they have closed
 _OPENED = 0.006  # metres that thumb and the nearest finger that closed with it go apart when they let go
 _ROLLS = 0.0006  # metres that they go apart in a frame as they roll on what they hold
@@ -86,6 +87,11 @@ def led(
         yield way
 
 
+def stays_held(openings: Array, frames: Array) -> bool:
+    """Whether what is taken is not lost while thumb and index finger are so far apart (n), in those frames (n)."""
+    return bool((openings <= openings[0] + _OPENED + _ROLLS * (frames - frames[0])).all())
+
+
 class _Fingers:
     """Whether a hand is closed: how bent its fingers are, and how far the thumb is from each of them."""
 
@@ -113,7 +119,7 @@ class _Fingers:
         assert self._openings is not None
         if which == _PALM:
             return self._fist(bent)
-        closed = self._openings <= _PINCHED * self._widest
+        closed = self._openings <= np.maximum(_PINCHED * self._widest, self._widest - _CLOSER)
         if not closed[_FIRST] or self._goes > _STILL:
             return False
         self._hold, self._caught = closed, float(self._openings[closed].min())

@@ -1,7 +1,8 @@
 """Thumb and fingers of a hand on a part: closed on it as the hand was set there, and kept so if they go well with it.
 
 Else they are closed anew along its way: where the hand turns less than the part does they roll on it, and where the arm
-does not bring it just where it should they are on it all the same.
+does not bring it just where it should they are on it all the same. So far apart that the part would be lost they do not
+come for that.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding
 from ahmss.grasping.key_grip import curled
 from ahmss.grasping.rolling import amiss, rolled
+from ahmss.skills.leading import stays_held
 from ahmss.skills.part_ways import Part
 
 __all__ = ["brought", "held_on", "shapes_on"]
@@ -69,13 +71,15 @@ def _at_stops(task: HumanTask, part: Part, side: str, palms: Array, way: Array, 
     stops = np.minimum(np.searchsorted(way, _STOPS), len(way) - 1)
     seen = at_rest.then(brought(part, palms[stops], way[stops]).inverse().then(Transform.of(palms[stops]))).row()
     kept = np.broadcast_to(holding.shape, (len(stops), *holding.shape.shape))
-    flaw, turned = amiss(hand, field, seen, kept), np.abs(seen[:, 3:] @ seen[0, 3:]).min()
+    alone = holding.wide is not None
+    flaw, turned = amiss(hand, field, seen, kept, alone=alone), np.abs(seen[:, 3:] @ seen[0, 3:]).min()
     if flaw < _WELL or turned < _SLIPS:
         return kept
     again = rolled(hand, field, seen, holding)
-    again = again if holding.wide is None else [curled(hand, one, field, seen) for one in again]
+    again = [curled(hand, one, field, seen) for one in again] if alone else again
     shapes = np.stack([one.shape for one in again])
-    return shapes if amiss(hand, field, seen, shapes) < flaw - _GAINS else kept
+    better = amiss(hand, field, seen, shapes, alone=alone) < flaw - _GAINS
+    return shapes if better and stays_held(hand.opening(shapes), stops) else kept
 
 
 def _between(shapes: Array, way: Array) -> Array:
