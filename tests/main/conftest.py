@@ -11,8 +11,10 @@ from typing import Any
 
 import pytest
 
+from ahmss.main import process
 from ahmss.main.process import MainProcess, Setup
 from ahmss.processes.hire import Pool
+from ahmss.processes.launcher import Launcher
 from ahmss.world.process import ServerProcess
 
 ROOT = Path(__file__).parents[2]
@@ -268,8 +270,12 @@ def server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
 
 
 @pytest.fixture
-def join(workspace: Path, pool: None) -> Iterator[Callable[..., MainProcess]]:
-    """Makes mains in this process; what they say is in `report.messages`."""
+def join(workspace: Path, pool: None, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., MainProcess]]:
+    """Makes mains in this process; what they say is in `report.messages`.
+
+    Their frames come one upon another, without a clock: each waits for what is asked for, or none would be there.
+    """
+    monkeypatch.setattr(process, "Launcher", lambda **given: Launcher(**{**given, "once": False}))
     mains: list[MainProcess] = []
 
     def begin(server: ServerProcess | str, human: str = "ken", **options: Any) -> MainProcess:

@@ -203,8 +203,10 @@ def test_who_means_to_be_elsewhere_is_told_of_and_who_has_gone_once_more() -> No
     assert people.moved(telling(WAY, WAY + 1.0), "me")[:, 0].tolist() == [-5]
     np.testing.assert_array_equal(people.ways(np.array([-5.0, -4.0])), [(WAY + 1.0).ravel(), WAY.ravel()])
     assert people.moved(telling(None, WAY + 1.0), "me")[:, 0].tolist() == [-4]
-    moved = people.moved(telling(None), "me")
-    assert moved[:, :3].tolist() == [[-4, 1, 0], [-5, 2, 0]]
+    stays, gone = people.moved(telling(None), "me")
+    assert stays[:3].tolist() == [-4, 1, 0]
+    assert gone[0] == -5
+    assert np.isnan(gone[1:]).all()
     assert np.isnan(people.ways(np.array([-5.0, -4.0, -77.0]))).all()
     assert len(people.moved(telling(None), "me")) == 0
 
