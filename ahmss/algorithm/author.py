@@ -12,7 +12,17 @@ from typing import NoReturn
 import msgspec
 import numpy as np
 
-from ahmss.algorithm.messages import HEADER, MAX_PAYLOAD, Kind, Ready, State, decode_start, encode, encode_state
+from ahmss.algorithm.messages import (
+    HEADER,
+    MAX_PAYLOAD,
+    Kind,
+    Ready,
+    State,
+    decode_start,
+    encode,
+    encode_meant,
+    encode_state,
+)
 from ahmss.algorithm.performance import Function, Performance
 from ahmss.body.array import Array
 from ahmss.errors import AhmssError, AlgorithmError, ProtocolError
@@ -178,9 +188,13 @@ def _answer(channel: Channel, performance: Performance, kind: Kind) -> None:
 
 
 def _news(performance: Performance) -> list[bytes | memoryview]:
-    """The messages of what the function has noted, and that it is where it acts."""
-    notes: list[bytes | memoryview] = [encode(Kind.NOTE, text.encode()[:4096]) for text in performance.news()]
-    return [*notes, encode(Kind.ARRIVED)] if performance.arrived() else notes
+    """The messages of what the function has noted, what it is to bring about, and that it is where it acts."""
+    news: list[bytes | memoryview] = [encode(Kind.NOTE, text.encode()[:4096]) for text in performance.news()]
+    if meant := performance.meant():
+        news.append(encode_meant(meant))
+    if performance.arrived():
+        news.append(encode(Kind.ARRIVED))
+    return news
 
 
 def _line(error: Exception) -> str:

@@ -38,6 +38,7 @@ _STRUCTS: dict[str, type[msgspec.Struct]] = {
     "START.goal": messages.Goal,
     "READY": messages.Ready,
     "STATE": messages.State,
+    "MEANT": messages.Meant,
 }
 _MARK = re.compile(r"(<!-- table: (?P<name>[^>]*) -->\n).*?(<!-- end -->)", re.DOTALL)
 

@@ -4,10 +4,10 @@
 
 Main writes START once, then FRAME k for each frame it wants, then STOP, or REST first where the motion is to come to
 rest, and CLOSED before the frame in which a hand has closed on an object; the algorithm answers READY to START and
-POSE k (an object algorithm OBJECT k) to FRAME k. STATE, NOTE, ARRIVED, DONE and ERROR come from it when there is
-something to say.
-START, READY and STATE are JSON, NOTE and ERROR are text; FRAME, POSE and OBJECT are blocks of float64, laid out by the
-tables below. docs/protocol.md is written from this module.
+POSE k (an object algorithm OBJECT k) to FRAME k. STATE, NOTE, ARRIVED, MEANT, DONE and ERROR come from it when there
+is something to say.
+START, READY, STATE and MEANT are JSON, NOTE and ERROR are text; FRAME, POSE and OBJECT are blocks of float64, laid
+out by the tables below. docs/protocol.md is written from this module.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ __all__ = [
     "Field",
     "Goal",
     "Kind",
+    "Meant",
     "ObjectRecord",
     "PoseRecord",
     "Ready",
@@ -45,11 +46,13 @@ __all__ = [
     "SiteRecord",
     "Start",
     "State",
+    "decode_meant",
     "decode_ready",
     "decode_start",
     "decode_state",
     "encode",
     "encode_frame",
+    "encode_meant",
     "encode_start",
     "encode_state",
     "size",
@@ -77,6 +80,7 @@ class Kind(IntEnum):
     ERROR = 21
     NOTE = 22
     ARRIVED = 23
+    MEANT = 24
 
 
 # --- blocks of float64 ------------------------------------------------------------------------------------------------
@@ -274,9 +278,20 @@ class State(msgspec.Struct, frozen=True):
     states: Annotated[dict[str, Any], Meta(description="the new value of each state that changed")]
 
 
+class Meant(msgspec.Struct, frozen=True):
+    """MEANT: what the motion is to bring about, before its first pose; it has failed where it has not in the end."""
+
+    states: Annotated[
+        dict[str, tuple[float, float]],
+        Meta(description="of the motion's object: the least and the most that each of these is to be in the end"),
+    ]
+    otherwise: Annotated[str, Meta(description="what the person is told where one is not, in one line")]
+
+
 _start = msgspec.json.Decoder(Start)
 _ready = msgspec.json.Decoder(Ready)
 _state = msgspec.json.Decoder(State)
+_meant = msgspec.json.Decoder(Meant)
 _json = msgspec.json.Encoder()
 
 
@@ -302,6 +317,11 @@ def encode_start(start: Start) -> bytes:
 def encode_state(state: State) -> bytes:
     """The STATE message."""
     return encode(Kind.STATE, _json.encode(state))
+
+
+def encode_meant(meant: Meant) -> bytes:
+    """The MEANT message."""
+    return encode(Kind.MEANT, _json.encode(meant))
 
 
 def encode_frame(
@@ -371,3 +391,15 @@ def decode_state(payload: bytes | memoryview) -> State:
         return _state.decode(payload)
     except msgspec.MsgspecError as error:
         raise ProtocolError(f"STATE: {error}") from None
+
+
+def decode_meant(payload: bytes | memoryview) -> Meant:
+    """MEANT's payload.
+
+    Raises:
+        ProtocolError: not JSON, or a field is missing or of the wrong type.
+    """
+    try:
+        return _meant.decode(payload)
+    except msgspec.MsgspecError as error:
+        raise ProtocolError(f"MEANT: {error}") from None

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ahmss.algorithm.messages import OBJECT, POSE, WAY, Start, size
+from ahmss.algorithm.messages import OBJECT, POSE, WAY, Meant, Start, size
 from ahmss.algorithm.pose import HumanPose, ObjectPose
 from ahmss.algorithm.progress import Rested
 from ahmss.algorithm.task import HumanTask, ObjectTask
@@ -41,6 +41,7 @@ class Performance:
         self._block = np.zeros((0, narrow))
         self._next = 0
         self._noted, self._arrived = 0, False
+        self._meant: Meant | None = None
         self._whole = False  # the block is all that will come
         self._told = dict(self.task.object.states) if self.task.object is not None else {}
         self.row = self._row
@@ -78,6 +79,11 @@ class Performance:
         """Whether the function has said since the last call, for the first time, that it is where it acts."""
         before, self._arrived = self._arrived, self.task.progress.arrived
         return self._arrived and not before
+
+    def meant(self) -> Meant | None:
+        """What the motion is to bring about, if the function has said so since the last call."""
+        before, self._meant = self._meant, self.task.meant
+        return self._meant if self._meant is not before else None
 
     def close(self) -> None:
         """Let the function's `finally` run."""

@@ -12,7 +12,7 @@ from msgspec import UNSET
 
 from ahmss.algorithm import cache
 from ahmss.algorithm.human_frame import HumanFrame
-from ahmss.algorithm.messages import FRAME_HUMAN, MOVED, WAY, Start, size
+from ahmss.algorithm.messages import FRAME_HUMAN, MOVED, WAY, Meant, Start, size
 from ahmss.algorithm.place import Transform, WorldObject
 from ahmss.algorithm.progress import Progress, Rested
 from ahmss.body.array import Array
@@ -39,8 +39,8 @@ class Task:
     length: N, the frames asked for; 0: as many as the motion needs. Where the action's own frames are 0, N is a wish.
     rate: frames a second. hand: "right", "left" or "". hold: what the action does to the object. random: numpy's
     generator, seeded by main. object: the target, or None. world: the other objects that algorithm.toml asked for, by
-    id. notes: what `note` was told. start: the human at frame 0; present: at the frame being computed.
-    progress: how far the motion is.
+    id. notes: what `note` was told. meant: what `means` was. start: the human at frame 0; present: at the frame being
+    computed. progress: how far the motion is.
     """
 
     def __init__(self, start: Start) -> None:
@@ -53,6 +53,7 @@ class Task:
         self.directory = Path(start.directory)
         self.object = WorldObject.of(start.object) if start.object is not None else None
         self.notes: list[str] = []
+        self.meant: Meant | None = None
         self.progress = Progress()
         self.world = {record.id: WorldObject.of(record) for record in start.world}
         about = [thing for thing in (self.goal_object, self.object) if thing is not None]
@@ -211,6 +212,13 @@ class Task:
     def note(self, text: str) -> None:
         """Tell the person something in one line that is no failure; the same again is not told again."""
         self.notes.append(" ".join(text.split()))
+
+    def means(self, otherwise: str, **states: tuple[float, float]) -> None:
+        """Say, before the first pose, between which two values states of the object are to be in the end.
+
+        Where one is not, the motion has failed, and the person is told `otherwise`, in one line.
+        """
+        self.meant = Meant(states, " ".join(otherwise.split()))
 
     def see(self, row: Array) -> None:
         """Take in the numbers of a FRAME: the human, and whatever moved. Called by the runtime.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from ahmss.algorithm.messages import State
+from ahmss.algorithm.messages import Meant, State
 from ahmss.body.array import Array
 from ahmss.database.statefile import HELD
 from ahmss.errors import AhmssError
@@ -294,6 +294,8 @@ class Control:
                     self._hearing.change_states(message)
                 elif isinstance(message, Note):
                     self._hearing.tell(motion.order, message.text)
+                elif isinstance(message, Meant):
+                    motion.meant = message
                 elif isinstance(message, Arrived):
                     self._arrive(motion)
                     if motion.process is not process or motion not in self._motions:
@@ -321,6 +323,9 @@ class Control:
         self._motions.remove(motion)
         if motion.rests is not None:
             self._drop(motion)
+            return
+        if in_vain := self._hearing.in_vain(motion.order, motion.meant):
+            self._fail(motion, in_vain)
             return
         if motion.process is not None:
             motion.process.stop()

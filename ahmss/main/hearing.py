@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from ahmss.algorithm.messages import State
+from ahmss.algorithm.messages import Meant, State
 from ahmss.database.workspace import Workspace
 from ahmss.errors import AhmssError, AlgorithmError
 from ahmss.main.communication import Communication
@@ -49,6 +49,17 @@ class Hearing:
         self.note(
             self._of_whom(f"{order.title}: {told(text, thing.states if thing is not None else {})}", in_vain=False)
         )
+
+    def in_vain(self, order: Order, meant: Meant | None) -> str:
+        """Why a motion that is over has failed: its object is not as it was to be. Empty where it is."""
+        thing = self._communication.objects.get(order.object)
+        if meant is None or thing is None:
+            return ""
+        for state, (least, most) in meant.states.items():
+            now = thing.states.get(state)
+            if isinstance(now, (int, float)) and not least <= now <= most:
+                return f"{order.title}: {told(meant.otherwise, thing.states)}"
+        return ""
 
     def _of_whom(self, text: str, *, in_vain: bool) -> str:
         """What is said, with what there is to know of those whom it names."""

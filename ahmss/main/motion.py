@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ahmss.algorithm.messages import Meant
 from ahmss.body.array import Array
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import conjugate, multiply, rotate
@@ -178,8 +179,9 @@ class Motion:
         carried: another motion carries the body, and this one's hips and legs do not count.
         k: the frame that was asked for last. over: it ends with this frame.
         closing: it would be over, but the algorithm of what it moves is late. held: how many frames came too late.
-        arrived: it has come to where it acts. met: how what it is about was as it began.
-        waited: for how many frames another has had what it is about. rests: for how many more it may come to rest.
+        arrived: it has come to where it acts. meant: what it is to bring about, as it said.
+        met: how what it is about was as it began. waited: for how many frames another has had that.
+        rests: for how many more it may come to rest.
     """
 
     def __init__(self, order: Order, number: int, follows: Motion | None = None) -> None:
@@ -189,6 +191,7 @@ class Motion:
         self.given: Contribution | None = None
         self.mover: Mover | None = None
         self.knows, self.missed = known(()), NOTHING
+        self.meant: Meant | None = None
         self.company: tuple[str, ...] = ()
         self.beside: tuple[str, ...] = ()
         self.passes: Pending | int | None = None
@@ -244,7 +247,7 @@ class Motion:
         """Start it again from how the body is, so many frames later."""
         if self.process is not None:
             self.process.stop()
-        self.process = self.mover = self.given = None
+        self.process = self.mover = self.given = self.meant = None
         self.k, self.countdown = 0, countdown
 
     def take(self, row: Array) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from ahmss.algorithm.messages import State
+from ahmss.algorithm.messages import Meant, State
 from ahmss.body.array import Array
 
 __all__ = ["Answer", "Arrived", "Done", "Message", "Note", "Phase"]
@@ -47,4 +47,4 @@ class Arrived(NamedTuple):
     """The motion is where it acts: what it moves is claimed from now on."""
 
 
-Message = Answer | State | Note | Arrived | Done
+Message = Answer | State | Note | Meant | Arrived | Done

@@ -6,7 +6,7 @@ import os
 import struct
 from collections import deque
 
-from ahmss.algorithm.messages import HEADER, Kind, decode_ready, decode_state, encode
+from ahmss.algorithm.messages import HEADER, Kind, decode_meant, decode_ready, decode_state, encode
 from ahmss.errors import AlgorithmError, ProtocolError
 from ahmss.processes.answers import Answer, Arrived, Done, Message, Note, Phase
 from ahmss.processes.child import Child, describe
@@ -222,13 +222,15 @@ class AlgorithmProcess:
             self._done()
         elif kind == Kind.ARRIVED:
             self._inbox.append(Arrived())
+        elif kind == Kind.MEANT:
+            self._inbox.append(decode_meant(payload))
         elif kind == Kind.NOTE:
             self._note(_line(payload))
         elif kind == Kind.ERROR:
             said = _line(payload)
             self.fail(said or "it failed without saying why", said)
         else:
-            allowed = f"READY, {self._rows.kind.name}, STATE, NOTE, ARRIVED, DONE and ERROR"
+            allowed = f"READY, {self._rows.kind.name}, STATE, NOTE, ARRIVED, MEANT, DONE and ERROR"
             hint = "does it print to its standard output?"
             raise ProtocolError(f"it sent a message of kind {kind}; {allowed} are allowed ({hint})")
 

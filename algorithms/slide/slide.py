@@ -17,6 +17,7 @@ from ahmss.skills.pinching import Part, pinched
 
 LEAST, A_METRE = 0.35, 4.0  # seconds that it takes at least, and for a metre more
 NEXT_TO, OFF = 0.01, 0.015  # of its way: nobody sees that it was moved; that it may come to rest beside where it is to
+LOST = 0.05  # of its way: so far beside it the fingers have lost it
 
 
 def slide(task: HumanTask) -> Iterator[Array]:
@@ -33,11 +34,14 @@ def slide(task: HumanTask) -> Iterator[Array]:
     if task.carried:
         raise AlgorithmError("a lever is moved standing; walk there first, then slide it")
     along = rotate(thing.rotation, np.array(thing.properties["slide"], float))
-    now, to = float(thing.states.get(task.parameter("state", "level"), 0.0)), task.parameter("level", -1.0)
+    state = task.parameter("state", "level")
+    now, to = float(thing.states.get(state, 0.0)), task.parameter("level", -1.0)
     if to < 0.0:
         to = 0.0 if now > 0.5 else 1.0
     if abs(to - now) < NEXT_TO:
         task.note(f"it is at {now:.2f} already")
+    in_vain = f"it stands at {{{state}}} instead of {to:.2f}, for the fingers lost it; do it again, or from elsewhere"
+    task.means(in_vain, **{state: (to - LOST, to + LOST)})
     site = Transform(task.site.place + now * along, task.site.rotation)
     way = (to - now) * along
 

@@ -19,6 +19,7 @@ from ahmss.skills.pinching import Part, pinched
 TURNS = 0.75  # seconds
 HALF = 0.5  # of the turn: a wrist that can't make more of it does so much
 NEAR = 0.02  # radians: so near to a position it is in it
+OFF = 0.35  # radians that what has no positions may come to rest from where it is to
 ON_AXIS = 0.01  # metres from the axis within which the hand is at its middle, as `turned` has it
 
 
@@ -37,11 +38,17 @@ def turn(task: HumanTask) -> Iterator[Array]:
     axis = np.array(told.get("axis", (0.0, 0.0, 1.0)), float)
     pivot = thing.frame.apply(np.array(told.get("pivot", (0.0, 0.0, 0.0)), float))
     axis = rotate(thing.rotation, axis / np.linalg.norm(axis))
-    now = float(thing.states.get(task.parameter("state", "turn"), 0.0))
-    angle = _wanted(task, told, now) - now
+    state = task.parameter("state", "turn")
+    now = float(thing.states.get(state, 0.0))
+    to = _wanted(task, told, now)
+    angle = to - now
     along = task.parameter("along", 0.5)
     site = _about(pivot, axis, now, task.site)
     positions: dict[str, float] = {str(name): float(at) for name, at in told.get("positions", {}).items()}
+    named = next((name for name, at in positions.items() if abs(at - to) < NEAR), f"{np.degrees(to):.0f} degrees")
+    within = NEAR if positions else OFF
+    in_vain = f"it did not come to {named}, for the fingers lost it; do it again, or from elsewhere"
+    task.means(in_vain, **{state: (to - within, to + within)})
     off = site.place - pivot
     on_axis = float(np.linalg.norm(off - (off @ axis) * axis)) <= ON_AXIS
 

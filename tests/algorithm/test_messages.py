@@ -11,7 +11,19 @@ import pytest
 
 from ahmss.algorithm import messages
 from ahmss.algorithm.document import rewrite, tables
-from ahmss.algorithm.messages import HEADER, Kind, Ready, Start, State, decode_ready, decode_start, decode_state, encode
+from ahmss.algorithm.messages import (
+    HEADER,
+    Kind,
+    Meant,
+    Ready,
+    Start,
+    State,
+    decode_meant,
+    decode_ready,
+    decode_start,
+    decode_state,
+    encode,
+)
 from ahmss.algorithm.pose import HumanPose, ObjectPose
 from ahmss.errors import ProtocolError
 
@@ -37,7 +49,7 @@ def numbers(message: bytes) -> tuple[float, ...]:
 
 def test_the_kinds_keep_their_numbers():
     known = {"START": 1, "FRAME": 2, "STOP": 3, "READY": 16, "POSE": 17, "OBJECT": 18, "STATE": 19, "DONE": 20}
-    since = {"REST": 4, "CLOSED": 5, "ERROR": 21, "NOTE": 22, "ARRIVED": 23}
+    since = {"REST": 4, "CLOSED": 5, "ERROR": 21, "NOTE": 22, "ARRIVED": 23, "MEANT": 24}
     assert {kind.name: int(kind) for kind in Kind} == known | since
 
 
@@ -98,6 +110,9 @@ def test_the_short_messages_are_these_bytes():
     assert encode(Kind.READY, msgspec.json.encode(Ready())) == golden("ready")
     assert messages.encode_state(State(7, {"power": "on", "angle": 0.5})) == golden("state")
     assert decode_state(golden("state")[5:]) == State(7, {"power": "on", "angle": 0.5})
+    meant = Meant({"level": (0.25, 0.5)}, "it stands at {level}")
+    assert messages.encode_meant(meant) == golden("meant")
+    assert decode_meant(golden("meant")[5:]) == meant
     assert decode_ready(golden("ready")[5:]) == decode_ready(b"") == Ready(1)
 
 
@@ -130,6 +145,11 @@ def test_an_objects_pose_is_these_bytes():
     ObjectPose(CUP[:3], CUP[3:]).pack(row)
     assert encode(Kind.OBJECT, row.tobytes()) == golden("object")
     assert numbers(golden("object")) == (31.0, *CUP)
+
+
+def test_what_is_meant_is_numbers():
+    with pytest.raises(ProtocolError, match=r"MEANT: .*\$\.states"):
+        decode_meant(b'{"states": {"level": ["much", 1]}, "otherwise": "it is not"}')
 
 
 def test_a_state_of_a_wrong_type_is_refused_with_its_place():
@@ -185,6 +205,7 @@ def write_golden() -> None:
         "note": encode(Kind.NOTE, b"30 frames are too few for 4.2 m; it takes 210"),
         "ready": encode(Kind.READY, msgspec.json.encode(Ready())),
         "state": messages.encode_state(State(7, {"power": "on", "angle": 0.5})),
+        "meant": messages.encode_meant(Meant({"level": (0.25, 0.5)}, "it stands at {level}")),
     }
     for name, message in made.items():
         path = GOLDEN / f"{name}.bin"

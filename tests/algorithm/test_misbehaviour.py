@@ -35,7 +35,7 @@ SENTENCES = {
     "wrong_frame": "wrong_frame at frame 3: it sent frame 7 where frame 3 was asked for",
     "too_eager": "it sent (a frame though none was asked for|frame 4 where frame 5 was asked for)",
     "wrong_kind": "wrong_kind at frame 3: it sent a message of kind 18; "
-    "READY, POSE, STATE, NOTE, ARRIVED, DONE and ERROR are allowed",
+    "READY, POSE, STATE, NOTE, ARRIVED, MEANT, DONE and ERROR are allowed",
     "bad_state": "bad_state at frame 3: STATE: Expected `int`, got `str`",
     "half_a_message": "half_a_message at frame 3: it ended with exit code 0 before its motion was over",
     "closes_output": "closes_output at frame 3: it closed its standard output before its motion was over",
