@@ -49,6 +49,7 @@ $(READY): pyproject.toml
 	  || { echo "make: $(PYTHON) is older than 3.11; type: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null \
 	  || { echo "make: this Python makes no virtual environments; type: sudo apt-get install python3-venv"; exit 1; }
+	@echo "making $(VENV), once: a minute or two"
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@touch $@

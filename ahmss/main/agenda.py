@@ -15,7 +15,7 @@ from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
 from ahmss.main.company import KIND
 from ahmss.main.comparing import Comparison, spoken
 from ahmss.main.joined import lasting, refuse_two_carriers, title
-from ahmss.main.kept import still_in_hand
+from ahmss.main.kept import is_about, still_in_hand
 from ahmss.main.naming import find_object, refuse_another
 from ahmss.main.order import Order
 from ahmss.main.script import Step
@@ -163,9 +163,11 @@ class Agenda:
             self.announce()
 
     def _tell_of_what_is_held(self) -> None:
-        """Say of what was brought somewhere that a hand has it still."""
+        """Say of what was brought somewhere that a hand has it still, but of what the next line is about."""
         main = self._main
-        for sentence in still_in_hand(self._orders, main.communication.objects, self._setup.human, main.workspace):
+        following = self._steps[0].line if self._steps else None
+        orders = [order for order in self._orders if not is_about(following, order.object)]
+        for sentence in still_in_hand(orders, main.communication.objects, self._setup.human, main.workspace):
             main.note(sentence)
 
     def announce(self) -> None:

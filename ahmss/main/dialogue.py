@@ -123,7 +123,7 @@ class Dialogue:
                 usual = draft.frames or "as many as it needs"
                 return Question(f"number of frames (nothing for {usual})")
             case "fuse":
-                return Question("fuse with another motion? (yes or no)", None, ("yes", "no"))
+                return Question("fuse with another motion? (yes, or nothing for no)", None, ("yes", "no"))
             case step:
                 return Question(_PROMPTS[step])
 

@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ahmss.database.workspace import Workspace
+from ahmss.main.command import Do, Line
 from ahmss.main.order import Order
 from ahmss.world.schema import ObjectRecord
 
-__all__ = ["still_in_hand"]
+__all__ = ["is_about", "still_in_hand"]
+
+
+def is_about(line: Line | None, name: str) -> bool:
+    """Whether a line does something with that object, whole its name or the last part of it."""
+    return isinstance(line, Do) and any(f"/{name}".endswith(f"/{act.object}") for act in line.acts)
 
 
 def still_in_hand(

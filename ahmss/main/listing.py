@@ -32,8 +32,9 @@ def list_workspace(what: str, directory: Path | None, *, as_json: bool) -> None:
     readers = {"objects": _objects, "humans": _humans, "algorithms": _algorithms}
     if what and what not in readers:
         if what not in workspace.objects.names():
-            names = ", ".join(("objects", "humans", "algorithms", *workspace.objects.names()))
-            raise CommandError(f'nothing called "{what}" to list; there is: {names}')
+            kinds = ", ".join(workspace.objects.names())
+            lists = " or ".join(readers)
+            raise CommandError(f'no list "{what}"; type {lists}, or a kind of object to see what it affords: {kinds}')
         tables = {what: _actions(workspace, workspace.objects.get(what))}
     else:
         tables = {name: read(workspace) for name, read in readers.items() if what in ("", name)}

@@ -339,7 +339,7 @@ def test_the_dialogue_runs_over_a_pipe(workspace: Path, server: Callable[..., Se
     order = [
         "object to add> box", "position (x y [z] in metres)> 0.3 0 1", "box is in the world", "object> box",
         "what to do with box> wave", "number of frames (nothing for 20)> 10",
-        "fuse with another motion? (yes or no)> yes",
+        "fuse with another motion? (yes, or nothing for no)> yes",
         "start the next motion after how many frames", "what to do with box> bow", "> undo", "> 10", "> no", "> help",
     ]  # fmt: skip
     at = 0
@@ -366,7 +366,7 @@ def test_the_console_lists_the_objects_when_they_change_and_says_when_a_motion_e
         (["play"], 2, "Missing argument"),
         (["view", "nothing.rec", "--snapshot", "a.png"], 1, "nothing.rec"),
         (["main", "--server", "localhost:x"], 1, '"x" is no port'),
-        (["list", "nothing"], 1, 'nothing called "nothing" to list'),
+        (["list", "nothing"], 1, 'no list "nothing"; type objects or humans or algorithms, or a kind of object to see'),
         (["new", "object", "cup"], 1, "exists already"),
         (["view", "--size", "big"], 2, '"big" is no size'),
     ],
