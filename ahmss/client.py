@@ -99,7 +99,10 @@ class Client:
         return self.object(name).states
 
     def afforded(self, name: str) -> Affordances:
-        """What an object affords this human: `now`, and `later` with the reason why not now."""
+        """What an object affords this human: `now`, and `later` with the reason why not now.
+
+        `parameters` are an action's own; every action takes `patience` besides, seconds to wait for what another has.
+        """
         return self._ask(schema.GetAffordances(name), schema.Affordances)
 
     # What is to be done

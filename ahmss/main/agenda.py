@@ -6,12 +6,12 @@ import contextlib
 import math
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from ahmss.errors import AhmssError, CommandError, WorldError
 from ahmss.main.aside import aside, at_once
-from ahmss.main.command import Add, Do, Human, Remove, Set, Sync, Wait
+from ahmss.main.command import Add, Do, Human, Line, Remove, Set, Sync, Wait
 from ahmss.main.company import KIND
 from ahmss.main.comparing import Comparison, spoken
 from ahmss.main.joined import lasting, refuse_two_carriers, title
@@ -52,6 +52,7 @@ class Agenda:
     """What the human is to do next. `add` may be called from any thread, the rest belongs to the frame loop.
 
     `said` is told what came of a line that is not a motion (`cup_2 is in the world`), `follower` what of every line.
+    `scene` are the lines that set the scene, as far as they are not over: who asks what is here waits for them.
     """
 
     def __init__(self, main: MainProcess, setup: Setup) -> None:
@@ -66,6 +67,7 @@ class Agenda:
         self._announced_at = 0  # the main's frame
         self._failures = self._parts = 0
         self._now: Step | None = None
+        self.scene: list[Step] = []
         self._orders: list[Order] = []
         self._wrong = self._wrong_before = 0
         self.said: Callable[[str], None] = _keep_quiet
@@ -86,6 +88,12 @@ class Agenda:
         with self._lock:
             self._steps.append(step)
             self._unfinished += 1
+
+    def set_the_scene(self, lines: Iterable[Line]) -> None:
+        """Append the lines that set the scene."""
+        self.scene = [Step(line, 0, "") for line in lines]
+        for step in self.scene:
+            self.add(step)
 
     def clear(self) -> None:
         """Forget all lines; the present motion stops with the next frame. What is added after this is carried out."""
@@ -137,13 +145,20 @@ class Agenda:
     def _settle(self) -> None:
         """The present line, if there is one, is over."""
         step, self._now = self._now, None
-        if step is not None and self.follower is not None:
+        if step is None:
+            return
+        self._leave_scene(step)
+        if self.follower is not None:
             failed = self._wrong + self._main.control.failures > self._wrong_before
             self.follower.ended(step, failed=failed)
+
+    def _leave_scene(self, step: Step) -> None:
+        self.scene = [other for other in self.scene if other is not step]
 
     def _tell_of_the_dropped(self) -> None:
         while self._dropped:
             step = self._dropped.popleft()
+            self._leave_scene(step)
             if self.follower is not None:
                 self.follower.dropped(step)
 

@@ -52,7 +52,9 @@ class Answering:
         self._catalogue = WorldCatalogue(main.workspace, main.communication, lambda: main.actor)
 
     def answer(self, request: Request) -> Job:
-        """The answer to a request. The generator raises AhmssError where it is refused."""
+        """The answer to a request, once the scene is set. The generator raises AhmssError where it is refused."""
+        while self._main.agenda.scene:
+            yield WAITS
         match request:
             case schema.GetSelf():
                 return self._self(request)

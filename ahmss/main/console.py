@@ -75,10 +75,11 @@ class Console:
     def run(self, first: Sequence[Line] = ()) -> None:
         """Talk until `quit` or the end of the input; the frames run in a thread of their own."""
         frames = threading.Thread(target=self._main.run, args=(lambda: self._over,), name="frames")
+        self._main.agenda.set_the_scene(first)
         frames.start()
         try:
-            for line in first:
-                self._carry_out(line)
+            while self._main.agenda.scene:
+                time.sleep(_NAP)
             while self._talk():
                 pass
             while self._waits and not self._main.agenda.done:

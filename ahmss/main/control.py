@@ -105,9 +105,8 @@ class Control:
     def begin(self, orders: Sequence[Order]) -> None:
         """Make these motions together, each after its own delay, or after the one that it follows."""
         for order in orders:
-            self._number += 1
             before = self._motions[-1] if order.act.follows else None
-            self._motions.append(Motion(order, self._number, before))
+            self._motions.append(self._motion(order, before))
 
     def stop(self) -> None:
         """Give up all motions, at once or, of such as can, as they have come to rest; what is in the hand stays there.
@@ -217,9 +216,18 @@ class Control:
 
     # Starting
 
+    def _motion(self, order: Order, follows: Motion | None) -> Motion:
+        self._number += 1
+        return Motion(order, self._number, follows)
+
     def _start(self, motion: Motion) -> None:
-        """Check, claim and start one motion; where it can't be, say why."""
+        """Check, claim and start one motion, or what comes before it; where it can't be, say why."""
         try:
+            first = self._starting.first(motion)
+            if first is not None:
+                motion.follows = self._motion(first, None)
+                self._motions.insert(self._motions.index(motion), motion.follows)
+                motion = motion.follows
             self._starting.start(motion, self._motions)
         except AhmssError as error:
             self._fail(motion, str(error))

@@ -114,17 +114,29 @@ class Database:
         )  # fmt: skip
 
     def orders(self, acts: Sequence[Act], scene: Scene, actor: Actor) -> list[Order]:
-        """Resolve a line's acts, each as `order` does; before one that asks for it, what brings the hand there."""
+        """Resolve a line's acts, each as `order` does, with what comes first where an act begins with the line."""
         found: list[Order] = []
         for act in acts:
             order = self.order(act, scene, actor)
-            first, record = order.affordance.first, scene.objects[order.object]
-            at = which_hand.places(self.workspace.objects.get(record.kind), order.affordance, scene.pose(order.object))
-            if first and not act.follows and which_hand.away(order.hand, at, actor) > _REACHED:
-                found.append(self.order(Act(order.object, first, after=act.after, hand=act.hand), scene, actor))
+            first = None if act.follows else self.first(order, scene, actor)
+            if first is not None:
                 order = replace(order, act=replace(act, after=0, follows=True), after=0)
-            found.append(order)
+            found += [order] if first is None else [first, order]
         return found
+
+    def first(self, order: Order, scene: Scene, actor: Actor) -> Order | None:
+        """What brings the hand to where an order takes place, where the order asks for that and the hand is not there.
+
+        Raises:
+            CommandError, DataError: as `order`.
+        """
+        record, act = scene.objects[order.object], order.act
+        at = which_hand.places(self.workspace.objects.get(record.kind), order.affordance, scene.pose(order.object))
+        if not order.affordance.first or which_hand.away(order.hand, at, actor) <= _REACHED:
+            return None
+        waits = tuple((name, value) for name, value in act.parameters if name == PATIENCE)
+        before = Act(order.object, order.affordance.first, after=act.after, hand=act.hand, parameters=waits)
+        return self.order(before, scene, actor)
 
     def check(self, order: Order, scene: Scene, actor: Actor) -> None:
         """Whether the motion may start now: its `when`, its `needs`, and who holds the object.

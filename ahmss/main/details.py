@@ -28,10 +28,11 @@ def refuse_unknown(
     declared = [entry.parameters for entry in (human, mover) if entry is not None]
     if any(parameters is None for parameters in declared):
         return
-    known = {PATIENCE, *affordance.parameters, *(name for parameters in declared for name in parameters or {})}
+    known = {*affordance.parameters, *(name for parameters in declared for name in parameters or {})}
     for name, _ in typed:
-        if name not in known:
-            raise CommandError(f'{title}: no parameter "{name}"; it takes: {", ".join(sorted(known)) or "none"}')
+        if name not in {PATIENCE, *known}:
+            every = "" if PATIENCE in known else f"; every action: {PATIENCE}"
+            raise CommandError(f'{title}: no parameter "{name}"; it takes: {", ".join(sorted(known)) or "none"}{every}')
 
 
 def refuse_incomplete(title: str, act: Act, affordance: Affordance) -> None:

@@ -85,8 +85,7 @@ def _serve(setup: Setup, first: list[Line], *, as_json: bool) -> int:
 
 def _set_the_scene(main: MainProcess, first: list[Line]) -> None:
     """Carry these lines out before anybody is let in. CommandError: one can't be."""
-    for line in first:
-        main.agenda.add(Step(line, 0, ""))
+    main.agenda.set_the_scene(first)
     main.run(lambda: main.agenda.done)
     if main.report.failures:
         raise CommandError(main.report.messages[-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import msgspec
 
@@ -69,6 +70,20 @@ class Starting:
         motion.company, motion.beside = met(start), beside(start)
         motion.k = 1
         motion.process.ask(self._showing.frame(1, NOTHING, order.human_algorithm))
+
+    def first(self, motion: Motion) -> Order | None:
+        """What is made before a motion that follows another, where it asks for that and its hand is not there by then.
+
+        Raises:
+            AhmssError: it can't be; says why.
+        """
+        before, act = motion.follows, motion.order.act
+        if before is None:
+            return None
+        order = self._database.order(replace(act, after=0), self._communication, self._actor())
+        if (before.order.object, before.order.affordance.name) == (order.object, order.affordance.first):
+            return None
+        return self._database.first(order, self._communication, self._actor())
 
     def comes_first(self, motion: Motion) -> bool:
         """Whether it claims what it moves only when it has come there, so that nobody who stands before it waits."""

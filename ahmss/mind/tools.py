@@ -18,6 +18,7 @@ from mcp_types import CallToolResult, InputRequiredResult, Tool
 from pydantic import ValidationError
 
 from ahmss.client import Client, Handle
+from ahmss.database.document import one_of
 from ahmss.errors import AhmssError, CommandError, NoAnswer, PortRefused
 from ahmss.main.command import Wait, parse
 from ahmss.mind import words
@@ -82,6 +83,8 @@ class Mind:
     def what_can_i_do(self, object: str) -> str:  # noqa: A002 - what a model reads is named as it should read
         """List what an object affords you now, with what each action needs; and what it does not afford now, and why.
 
+        Every action takes the parameter patience, too: seconds to wait for what another has, 0 to 3600 (usually 10).
+
         Args:
             object: its name as list_objects has it, or the last part of it (cup for room/cup).
         """
@@ -110,7 +113,7 @@ class Mind:
             facing_deg: which way to face at the goal, degrees: 0 is +x, 90 is +y.
             hand: "left" or "right"; left out, the nearer free one.
             frames: how long it takes, 60 to the second, at least 1; left out, as the action has it.
-            parameters: of the action, as what_can_i_do lists them.
+            parameters: of the action, as what_can_i_do lists them; of every action: patience, seconds.
             wait_s: seconds to wait for its end, 0 to 300; it goes on after that, and wait tells its end.
         """
         with self.human() as client:
@@ -234,9 +237,10 @@ def make_server(mind: Mind) -> MCPServer[Any]:
 
 
 class _Server(MCPServer[Any]):
-    """Refuses an argument that a tool does not have, or that is of a wrong type, in a sentence that says what to give.
+    """Refuses a tool that is none, an argument that a tool does not have, or that is of a wrong type, in a sentence
+    that says what to give.
 
-    Without the first, something else would be done than was asked.
+    Without the second, something else would be done than was asked.
     """
 
     async def list_tools(self) -> list[Tool]:
@@ -247,14 +251,17 @@ class _Server(MCPServer[Any]):
     async def call_tool(
         self, name: str, arguments: dict[str, Any], context: Context[Any, Any] | None = None
     ) -> CallToolResult | InputRequiredResult:
-        """What a tool says. ToolError: it takes no such argument, or as the tool says."""
-        tool = next((tool for tool in await self.list_tools() if tool.name == name), None)
-        if tool is not None and (refused := unknown(name, arguments, tool.input_schema)):
+        """What a tool says. ToolError: there is no such tool, it takes no such argument, or as the tool says."""
+        tools = {tool.name: tool for tool in await self.list_tools()}
+        tool = tools.get(name)
+        if tool is None:
+            raise ToolError(f'no tool "{name}"{one_of(name, tools)}')
+        if refused := unknown(name, arguments, tool.input_schema):
             raise ToolError(refused)
         try:
             return await super().call_tool(name, arguments, context)
         except ToolError as error:
-            if tool is None or not isinstance(error.__cause__, ValidationError):
+            if not isinstance(error.__cause__, ValidationError):
                 raise
             (argument, *_) = error.__cause__.errors()[0]["loc"]
             raise ToolError(

@@ -254,7 +254,8 @@ class Action(msgspec.Struct, frozen=True):
     """An action that the human can do now.
 
     asks: what it needs or takes besides. frames: its usual number, 0: as many as it needs.
-    parameters: what else may be set, each with its type, range and default in words.
+    parameters: what else may be set, each with its type, range and default in words; besides them every action takes
+        patience, seconds to wait for what another has.
     """
 
     name: str

@@ -32,6 +32,7 @@ COMES, STAYS, LEAVES = 0.18, 0.1, 0.42  # seconds
 DRAWN, A_BIT, FINELY = 0.3, 0.13, 0.012  # seconds at least, and for each bit; metres of how exactly it is to arrive
 THERE = 0.32  # metres from the place within which a hand is there already
 UNSAID = -0.5  # less than any place that is said
+UNTOLD = -1.0e9  # the value that nobody says
 
 
 def touch(task: HumanTask) -> Iterator[Array]:
@@ -120,12 +121,15 @@ def _of_field(task: HumanTask, thing: WorldObject, name: str) -> tuple[Array, Ar
     field, middle = fields[name], np.array(fields[name]["at"], float)
     if not task.parameter("drag", False):
         return middle, middle
-    value, state = task.parameter("value", -1.0e9), field.get("slider", "")
+    value, state = task.parameter("value", UNTOLD), field.get("slider", "")
     if not state:
         sliders = [other for other in shown if "slider" in fields[other]]
         raise AlgorithmError(f'"{name}" is no slider; sliders that it shows: {", ".join(sliders) or "none"}')
+    track_of = "0, the low end of its track, to 1"
+    if value == UNTOLD:
+        raise AlgorithmError(f"draw {name} to what? add value=, from {track_of}")
     if not 0.0 <= value <= 1.0:
-        raise AlgorithmError(f"draw {name} to what? add value=, from 0, the low end of its track, to 1")
+        raise AlgorithmError(f"{name} can't be drawn to {value:g}; allowed: {track_of}")
     track = np.array([float(field["track"]), 0.0])
     now = float(thing.states.get(state, 0.0))
     return middle + (now - 0.5) * track, middle + (value - 0.5) * track

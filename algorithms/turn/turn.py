@@ -46,6 +46,8 @@ def turn(task: HumanTask) -> Iterator[Array]:
     site = _about(pivot, axis, now, task.site)
     positions: dict[str, float] = {str(name): float(at) for name, at in told.get("positions", {}).items()}
     named = next((name for name, at in positions.items() if abs(at - to) < NEAR), f"{np.degrees(to):.0f} degrees")
+    if abs(to - now) < NEAR:
+        task.note(f"it is at {named} already")
     within = NEAR if positions else OFF
     in_vain = f"it did not come to {named}, for the fingers lost it; do it again, or from elsewhere"
     task.means(in_vain, **{state: (to - within, to + within)})

@@ -159,6 +159,14 @@ def test_no_such_position_is_refused_with_those_that_there_are() -> None:
         moved("rotary_switch", "turn", {}, 90.0, "ken", position="hot")
 
 
+@pytest.mark.parametrize(("begins", "said"), [(0.7854, ["it is at low already"]), (0.0, [])])
+def test_what_is_in_its_position_already_is_told(begins: float, said: list[str]) -> None:
+    it, body = control("rotary_switch"), Body("ken", 0.0, 0.1, 0.0)
+    task = HumanTask(Layout((it,)).start(it, body, "turn", {"turn": begins}, parameters={"position": "low"}))
+    next(program("turn")(task))
+    assert task.notes == said
+
+
 def test_what_the_wrist_does_not_turn_far_enough_is_told_and_not_left_half_way() -> None:
     """The hand would have to turn by 171 degrees with it."""
     it, body = control("rotary_switch", 90.0, 0.8), Body("aiko", 0.0, 0.1, 0.0)

@@ -141,6 +141,19 @@ def test_what_is_not_there_is_refused(parameters: dict[str, Any], told: str) -> 
         Panel(0).touched({}, **parameters)
 
 
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ({}, "draw speed to what\\? add value=, from 0, the low end of its track, to 1"),
+        ({"value": 1.5}, "speed can't be drawn to 1.5; allowed: 0, the low end of its track, to 1"),
+        ({"value": -0.2}, "speed can't be drawn to -0.2; allowed: 0,"),
+    ],
+)
+def test_a_slider_is_drawn_to_where_its_track_goes(said: dict[str, Any], told: str) -> None:
+    with pytest.raises(AlgorithmError, match=told):
+        Panel(0).touched({"page": "pump"}, field="speed", drag=True, **said)
+
+
 @pytest.mark.parametrize("seed", [0, 1])
 def test_who_stands_too_far_away_steps_before_it_first(seed: int) -> None:
     panel = Panel(seed)

@@ -25,6 +25,14 @@ frames = 0
 human_algorithm = "still"
 hold = "keep"
 frames = 0
+
+[affordances.grab]
+human_algorithm = "swing"
+object_algorithm = "carry"
+hold = "take"
+first = "touch"
+site = "top"
+frames = 12
 """
 STILL = """
 from ahmss.algorithm import HumanTask, run
@@ -57,6 +65,18 @@ def frames_of(ken: MainProcess, line: str) -> int:
     return ken.report.frames - before
 
 
+def made_of(ken: MainProcess, line: str) -> list[str]:
+    """The actions that a line is made of, in the order in which they begin."""
+    for step in steps(line):
+        ken.agenda.add(step)
+    made: dict[str, None] = {}
+    while not ken.agenda.done:
+        ken.frame()
+        made |= dict.fromkeys(title.removeprefix("b ") for title, at, _ in ken.control.progress if at)
+    assert ken.report.messages == []
+    return list(made)
+
+
 def angle(ken: MainProcess, link: str, before: np.ndarray) -> float:
     now = ken.blending.rotations[INDEX[link]]
     return float(np.linalg.norm(to_rotation_vector(multiply(conjugate(before[INDEX[link]]), now))))
@@ -82,6 +102,25 @@ def test_what_is_taken_first_may_be_used_then(ken: MainProcess) -> None:
     ken.play(steps("do b take frames 12 hand right then b shake frames 20"))
     assert ken.report.messages == []
     assert ken.control.holds == {"b": "right"}
+
+
+def test_what_brings_the_hand_there_comes_first_wherever_one_has_come_by_then(ken: MainProcess) -> None:
+    ken.play(steps("do b step to -0.3 0 frames 5"))  # far from it, and back
+    assert made_of(ken, "do b step to 0 0 frames 5 then b grab hand right then b shake frames 5") == [
+        "step", "touch", "grab", "shake",
+    ]  # fmt: skip
+    assert ken.control.holds == {"b": "right"}
+
+
+def test_a_hand_that_has_been_brought_there_is_not_brought_again(ken: MainProcess) -> None:
+    assert made_of(ken, "do b touch hand right then b grab hand right") == ["touch", "grab"]
+
+
+def test_who_takes_hold_waits_before_that_as_long_as_was_said(ken: MainProcess) -> None:
+    line = parse("do b grab patience=25")
+    assert isinstance(line, Do)
+    orders = ken.database.orders(line.acts, ken.communication, ken.actor)
+    assert [(order.title, order.patience) for order in orders] == [("b touch", 25.0), ("b grab", 25.0)]
 
 
 def test_if_the_first_fails_the_rest_of_its_chain_is_left_out_and_others_go_on(ken: MainProcess) -> None:

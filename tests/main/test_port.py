@@ -13,6 +13,7 @@ import zmq
 
 from ahmss.client import Client, act
 from ahmss.errors import ActionFailed, NoAnswer, PortRefused, WorldError
+from ahmss.main.command import Add
 from ahmss.main.process import MainProcess, Setup
 from ahmss.port import schema
 from ahmss.world import keys
@@ -58,12 +59,13 @@ def raw(main: MainProcess) -> Iterator[Callable[..., zmq.Socket[bytes]]]:
     context = zmq.Context()
     sockets: list[zmq.Socket[bytes]] = []
 
-    def connect(kind: int = zmq.DEALER, **options: int) -> zmq.Socket[bytes]:
-        assert main.port is not None
+    def connect(kind: int = zmq.DEALER, to: MainProcess | None = None, **options: int) -> zmq.Socket[bytes]:
+        port = (to or main).port
+        assert port is not None
         sockets.append(context.socket(kind))
         for option, value in {"LINGER": 0, "RCVTIMEO": 20_000, **options}.items():
             sockets[-1].setsockopt(getattr(zmq, option), value)
-        sockets[-1].connect(main.port.address.endpoint())
+        sockets[-1].connect(port.address.endpoint())
         return sockets[-1]
 
     yield connect
@@ -165,7 +167,7 @@ def test_what_fails_says_why_and_what_comes_after_goes_on(ken: Client, main: Mai
         ({"object": "b", "action": "drop"}, "ken does not hold it; it affords now: wave, bow"),
         ({"object": "b", "action": "step"}, "add `to X Y Z`"),
         ({"object": "b", "action": "wave", "frames": 0}, "a whole number from 1 to 1000000; the line was: do b wave"),
-        ({"object": "b", "action": "wave", "parameters": {"speed": 2.0}}, "it takes: angle, link"),
+        ({"object": "b", "action": "wave", "parameters": {"speed": 2.0}}, "angle, link; every action: patience"),
         ({"object": "b", "action": "wave", "parameters": {"angle": "wide"}}, "parameter angle: 'wide' is no"),
         ({"object": (9.0, 9.0), "action": "wave"}, 'no object within 0.5 m of 9 9 affords "wave"'),
     ],
@@ -216,6 +218,20 @@ def test_a_number_that_is_none_and_too_many_lines_are_refused(ken: Client) -> No
     with pytest.raises(PortRefused, match="32 lines wait already"):
         ken.do("b", "wave", frames=5000)
     assert len(ken.me().doing) == 33
+
+
+def test_who_asks_before_the_scene_is_set_waits_for_it(
+    join: Callable[..., MainProcess], server: Callable[..., ServerProcess], raw: Callable[..., zmq.Socket[bytes]]
+) -> None:
+    early = join(server(), port=LOOPBACK)
+    assert early.port is not None
+    early.agenda.set_the_scene([Add("box", "b", (0.6, 0.0, 1.5)), Add("nothing")])
+    socket = raw(to=early)
+    for request in (schema.GetSelf(1), schema.GetObjects("b", request=2), schema.Do(line="do b wave", request=3)):
+        socket.send(schema.encode(request))
+    told = {answer.request: type(answer) for answer in (_answer(early, socket) for _ in range(3))}
+    assert told == {1: schema.Self, 2: schema.Objects, 3: schema.Accepted}
+    assert len(early.report.messages) == 1  # of the kind that is none; what is there is there all the same
 
 
 # Several clients, and such as do harm

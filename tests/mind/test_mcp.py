@@ -30,6 +30,10 @@ def test_every_tool_tells_what_it_does_and_what_each_argument_means(at_the_table
         assert f'{tool.name}: no argument "near"' in at_the_table.wrong(tool.name, near="cup")
     assert '"seen"' in (said := at_the_table.wrong("list_objects", seen=True))
     assert said.endswith('did you mean "seen_only"?; allowed: seen_only')
+    said = at_the_table.wrong("acts", object="cup")
+    assert said.startswith('no tool "acts", did you mean "act"?; allowed: ')
+    assert all(name in said.partition("allowed: ")[2] for name in tools)
+    assert all("patience" in tools[name].description for name in ("what_can_i_do", "act"))
     assert "You are ken, 1.76 m tall. You stand at x" in at_the_table.instructions
     assert all(name in at_the_table.instructions for name in ("list_objects", "what_can_i_do", "act"))
 
