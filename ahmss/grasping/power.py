@@ -26,7 +26,7 @@ RISES, BENDS = np.radians([[22.0, 0.0, 40.0, 22.0, 5.0], [8.0, 8.0, 8.0, 45.0, 4
 THIN, AROUND = 0.016, np.radians(120.0)  # half of what fingers go around, metres, and how far they are bent then
 BESIDE_IT = 0.04  # metres from the axis at which a thumb is not on it
 ALONG = 0.04  # metres along the axis that the palm may be from the site
-SLANT = np.radians(15.0)  # by which the hand may lie askew of the axis
+SLANTS = np.radians([15.0, 30.0])  # by which the hand may lie askew of the axis; of what is thick where the arm asks
 BACK = 0.13  # metres before the axis where the palm begins
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -44,10 +44,15 @@ def power(hand: Hand, field: Field, grip: Array, site: Array, cost: Cost | None 
     Returns:
         The grip, which may not hold; None where the palm meets nothing on its way to the axis.
     """
-    wrapped = yield from _wrapped(hand, field, grip, site, _level(grip, site[:3], rotate(site[3:], Z)))
+    up, thick = rotate(site[3:], Z), is_thick(field, site)
+    wrapped = yield from _wrapped(hand, field, grip, site, _level(grip, site[:3], up))
     if wrapped is not None and wrapped.holds:
         brought = cost is None or bool(cost(wrapped.palm[None])[1][0])
-        if is_thick(field, site) or (brought and _is_around(hand, wrapped, site)):
+        if thick and not brought:
+            yield
+            other = yield from _wrapped(hand, field, grip, site, _level(grip, site[:3], up, SLANTS[1]))
+            return other if other is not None and other.holds else wrapped
+        if thick or (brought and _is_around(hand, wrapped, site)):
             return wrapped
     yield
     return (yield from hooked(hand, field, grip, site, cost)) or wrapped
@@ -107,8 +112,11 @@ def _trial(hands: Hands, palms: Array, cost: Array, up: Array) -> Trial:
     return Trial(hands, palms, CURLS, rises, bends, cost, 0.15 * np.abs(rises - RISES[0]), WRAPPED, up)
 
 
-def _level(grip: Array, axis: Array, up: Array) -> Array:
-    """The rotation (4,) of a palm that faces an axis along `up`, as near to the present one as may be."""
+def _level(grip: Array, axis: Array, up: Array, slant: float = SLANTS[0]) -> Array:
+    """The rotation (4,) of a palm that faces an axis along `up`, as near to the present one as may be.
+
+    slant: radians by which it may lie askew of the axis.
+    """
     out = rotate(grip[3:], X)
     level = out - (out @ up) * up
     if np.linalg.norm(level) < 0.5:  # it hardly faces the axis: what counts is where it is
@@ -120,4 +128,4 @@ def _level(grip: Array, axis: Array, up: Array) -> Array:
     side = np.cross(level, up)
     askew = float(np.arctan2(thumb @ side, thumb @ up))  # it may point up or down the axis
     askew -= np.pi * round(askew / np.pi)
-    return multiply(from_axis_angle(level, askew - float(np.clip(askew, -SLANT, SLANT))), rotation)
+    return multiply(from_axis_angle(level, float(np.clip(askew, -slant, slant)) - askew), rotation)

@@ -8,13 +8,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ahmss.body.array import Array
-from ahmss.body.quaternion import rotate
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.reaching.comfort import around_axis, palms_at
 from ahmss.reaching.reacher import Reacher
 
-__all__ = ["Goal", "palms_of", "turned_otherwise"]
+__all__ = ["Goal", "palms_of", "turned_askew", "turned_otherwise"]
 
 _OTHERWISE = np.radians(25.0)  # that palms differ by, which come by another way
+_ASKEW = np.radians([15.0, 30.0])  # of what a hand closes around, as far as it still holds it well
+_OUT = np.array([1.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +45,30 @@ def palms_of(goal: Goal, reacher: Reacher, shoulder: Array) -> Array:
         turned = around_axis(goal.around, reacher.sign)
     else:
         turned = palms_at(shoulder, goal.place, reacher.sign)
-    places = goal.place - goal.before * rotate(turned, np.array([1.0, 0.0, 0.0]))
-    return np.concatenate([places, turned], axis=-1)
+    return _before(goal, turned)
+
+
+def turned_askew(goal: Goal) -> list[Goal]:
+    """The goal with palms that lie askew of the axis around which it is free, a little and more; none where it is not.
+
+    An arm that is raised high, or hangs low, comes to an upright thing so: its wrist need not bend so far to the side.
+    """
+    if goal.around is None:
+        return []
+    found: list[Goal] = []
+    for askew in _ASKEW:
+        rolls = from_axis_angle(_OUT, np.array([askew, -askew]))[:, None]
+        palms = {
+            side: _before(goal, multiply(around_axis(goal.around, sign), rolls).reshape(-1, 4))
+            for side, sign in (("right", -1.0), ("left", 1.0))
+        }
+        found.append(replace(goal, palms=palms))
+    return found
+
+
+def _before(goal: Goal, turned: Array) -> Array:
+    """Palms (n, 7) with rotations (n, 4), as far before a goal's place as it says."""
+    return np.concatenate([goal.place - goal.before * rotate(turned, _OUT), turned], axis=-1)
 
 
 def turned_otherwise(goal: Goal, side: str, palms: Array, palm: Array) -> Goal | None:

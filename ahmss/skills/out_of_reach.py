@@ -14,7 +14,8 @@ from ahmss.skills.sitting import heading_of, must_stand, stands
 from ahmss.walking.obstacles import nearest_free
 
 __all__ = [
-    "EXACT", "MOST_MISSING", "come_nearer", "refuse_far", "refuse_short", "tell_missed", "walk_there", "walk_to",
+    "EXACT", "MOST_MISSING", "come_nearer", "refuse_far", "refuse_short", "stand_there", "tell_missed",
+    "walk_there", "walk_to",
 ]  # fmt: skip
 
 MOST_MISSING = 0.03
@@ -88,8 +89,23 @@ def come_nearer(task: HumanTask) -> str:
     aside = float(np.arctan2(way[1], way[0])) - heading_of(task.start.rotations)
     faces = abs((aside + np.pi) % (2.0 * np.pi) - np.pi) < _FACES
     if faces and float(np.hypot(*way)) < _AT_IT:
-        return "stand elsewhere, or move it nearer"
+        return stand_there(task) or "stand elsewhere, or move it nearer"
     return walk_there(task, thing.name)
+
+
+def stand_there(task: HumanTask) -> str:
+    """What brings one as near to a thing as it is used from, at any side of it, as a line to be typed.
+
+    "" where one stands so already, or it names no such place.
+    """
+    thing = _meant(task)
+    site = None if thing is None else thing.sites.get("stand")
+    if thing is None or site is None or not site.free_axis or not stands(task):
+        return ""
+    way = (task.start.root - thing.place)[:2]
+    near = thing.place[:2] + float(np.hypot(*site.position[:2])) * way / max(float(np.hypot(*way)), 1e-9)
+    away = float(np.linalg.norm(nearest_free(near, _rings(task), _CLEAR) - task.start.root[:2]))
+    return walk_there(task, thing.name) if away > _SAME else ""
 
 
 def _step_nearer(task: HumanTask) -> str:
@@ -97,12 +113,16 @@ def _step_nearer(task: HumanTask) -> str:
     assert task.goal_place is not None
     place, here = task.goal_place[:2], task.start.root[:2]
     away = float(np.linalg.norm(place - here))
-    rings = [ring for thing in task.world.values() if thing.kind != "human" for ring in thing.occupied]
-    stand = nearest_free(place + min(_BEFORE / max(away, 1e-9), 1.0) * (here - place), rings, _CLEAR)
+    stand = nearest_free(place + min(_BEFORE / max(away, 1e-9), 1.0) * (here - place), _rings(task), _CLEAR)
     if (away < _AT_IT and float(np.linalg.norm(stand - here)) < _SAME) or float(np.linalg.norm(stand - place)) > _AT_IT:
         return "say another place"
     facing = float(np.arctan2(*(place - stand)[::-1]))
     return f"{walk_to(task, stand, facing)} first"
+
+
+def _rings(task: HumanTask) -> list[Array]:
+    """The outlines (n, 2) of what stands on the floor."""
+    return [ring for thing in task.world.values() if thing.kind != "human" for ring in thing.occupied]
 
 
 def walk_to(task: HumanTask, place: Array, facing: float) -> str:

@@ -8,6 +8,7 @@ each, while only the gaze moves. Who is carried reaches for the place in the wor
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -17,21 +18,22 @@ from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle
 from ahmss.errors import AlgorithmError
 from ahmss.motion.fingers import opened
-from ahmss.reaching.goal import Goal, turned_otherwise
+from ahmss.reaching.goal import Goal, turned_askew, turned_otherwise
 from ahmss.reaching.performing import Fingers, Performed
-from ahmss.reaching.plan import Reaching
+from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.prism import Prism
 from ahmss.skills.before_grip import Before, goal_before, grips_before, refused
 from ahmss.skills.carried import reach_while_carried
 from ahmss.skills.grasping import read_shape
 from ahmss.skills.in_target import in_target
-from ahmss.skills.out_of_reach import tell_missed
+from ahmss.skills.out_of_reach import EXACT, MOST_MISSING, refuse_far, stand_there, tell_missed
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, goal_of, performed, prisms_of, sides_of
 
 FLAW, TOUCHES = 2.0, 0.2  # of the arm on its way, from where on another turn of the palm is tried; another hand
 TOLD = 1.0, 1.0  # millimetres, degrees
 _NEAR = 15.0, 15.0  # millimetres, degrees: farther off a hand is not brought to a thing
+_SHORTER = 0.12  # metres that an arm is too short of which the hand may yet come askew: its wrist is nearer then
 _PINCHES, _DEEP = 3, 0.002  # ways to come before a grip that are tried; metres in the thing
 THUMB = np.radians(92.0)  # from along the hand, before it opens further
 
@@ -58,7 +60,7 @@ def _standing(task: HumanTask) -> Iterator[Array]:
             tell_missed(task, made.plan)
             yield task.block(made.rotations, made.root, made.importance, made.targets)
             return
-    plan = yield from planned(task, reaching, goal, gaze, prisms)
+    plan = yield from _planned(task, goal, gaze, reaching, prisms, turned_askew(goal) if gripped else ())
     made = yield from performed(task, reaching, plan, gaze, _shape(task, plan.reacher.side))
     deep = in_target(task, made) if gripped else 0.0
     for other, side in _otherwise(task, reaching, goal, made, deep > _DEEP):
@@ -78,6 +80,31 @@ def _standing(task: HumanTask) -> Iterator[Array]:
     tell_missed(task, made.plan)
     _tell_turned(task, goal, made)
     yield task.block(made.rotations, made.root, made.importance, made.targets)
+
+
+def _planned(
+    task: HumanTask, goal: Goal, gaze: Looking, reaching: Reaching, prisms: Sequence[Prism], askew: Sequence[Goal]
+) -> Generator[Array, None, Plan]:
+    """The plan of a hand that comes as the thing asks or, where the arm does not come there well so, askew of it.
+
+    Raises:
+        AlgorithmError: it is out of reach, however it comes: says by how much, and what to do.
+    """
+    most = _SHORTER if askew else MOST_MISSING
+    plan = yield from planned(task, reaching, goal, gaze, prisms, most=most)
+    for other in askew:
+        if _comes(plan) == (0.0, False):
+            break
+        with suppress(AlgorithmError):  # what was found first is done
+            found = yield from planned(task, reaching, other, gaze, prisms, most=most)
+            plan = min(plan, found, key=_comes)
+    refuse_far(task, plan.reacher.side, plan.arm)
+    return plan
+
+
+def _comes(plan: Plan) -> tuple[float, bool]:
+    """Metres by which an arm does not come to its palm, and whether its joints do not allow it: the less the better."""
+    return max(plan.arm.missing - EXACT, 0.0), not plan.arm.found
 
 
 def _before_grip(
@@ -175,7 +202,8 @@ def _too_far_off(task: HumanTask, made: Performed) -> str:
     thing, side = task.object, made.plan.reacher.side
     name = "it" if thing is None else thing.name
     off, turned = _off(made)
-    mended = f"{'use the other hand, ' if task.hand else ''}stand elsewhere or turn {name}"
+    there = stand_there(task) or f"stand elsewhere or turn {name}"
+    mended = f"use the other hand, or {there}" if task.hand else there
     if off <= _NEAR[0] and turned <= _NEAR[1]:
         return f"the {side} hand would be {1000.0 * in_target(task, made):.0f} mm in {name}; {mended}"
     far = f"{off:.0f} mm and {turned:.0f} degrees from what was asked at {name}"

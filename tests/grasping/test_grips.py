@@ -6,11 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from ahmss.body.array import Array
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX, LINKS, fingers
-from ahmss.body.quaternion import conjugate, from_matrix, multiply, rotate
+from ahmss.body.quaternion import conjugate, from_axis_angle, from_matrix, multiply, rotate
 from ahmss.grasping.hand import FINGERS, Hand
 from ahmss.grasping.holding import Holding
 from ahmss.grasping.power import power
@@ -66,6 +67,28 @@ def on_object(holding: Holding, who: str, side: str) -> tuple[Array, Array]:
     seen = rotate(conjugate(q_palm), of.posed(rotations, root, chosen) - palm)
     seen = holding.palm[:3] + rotate(holding.palm[3:], seen)
     return (WITHIN @ seen[faces]).reshape(-1, 3), np.repeat(of.link[chosen][faces[:, 0]], len(WITHIN))
+
+
+@pytest.mark.parametrize("begins", [-50.0, -10.0, 10.0, 50.0])
+@pytest.mark.parametrize(("serves", "most"), [(True, 15.0), (False, 30.0)])
+def test_a_hand_lies_askew_as_it_has_come_but_no_more_than_it_holds_well_so(
+    begins: float, serves: bool, most: float
+) -> None:
+    """Up to 15 degrees, up to 30 where the arm asks for it: what came at 20 was turned on to 25."""
+    at, hand = thing("cup72"), Hand.of(WORKSPACE.humans.get("ken").skeleton, "right")
+    turned = from_matrix(np.stack([at.palm, np.cross([0.0, 0.0, 1.0], at.palm), [0.0, 0.0, 1.0]], axis=1))
+    turned = multiply(turned, from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(np.radians(begins))))
+    grip = np.concatenate([at.site[:3] - 0.1 * at.palm, turned])
+
+    def cost(palms: Array) -> tuple[Array, NDArray[np.bool_]]:
+        return np.zeros(len(palms)), np.full(len(palms), serves)
+
+    holding = finished(power(hand, field("cup72"), grip, at.site, cost))
+    assert holding is not None
+    assert holding.holds
+    thumb = rotate(conjugate(turned), rotate(holding.palm[3:], np.array([0.0, 0.0, 1.0])))
+    askew = np.radians(begins) + np.arctan2(-thumb[1], thumb[2])
+    assert np.degrees(askew) == pytest.approx(np.clip(begins, -most, most), abs=0.1)
 
 
 @pytest.mark.parametrize(
