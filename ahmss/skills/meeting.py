@@ -27,12 +27,17 @@ from ahmss.skills.at_ease import at_ease
 from ahmss.skills.company import Watching, aside_of, settled
 from ahmss.skills.keeping import kept_clear
 from ahmss.skills.reaching import HEAD
+from ahmss.skills.sitting import seat_of, seat_under
 from ahmss.skills.stepping import ground_of, in_time, rows_of, walk_library, walkers
 from ahmss.skills.tucking import Tucking
+from ahmss.skills.who_sits import OUT_OF_REACH, until_they_come, views
 from ahmss.walking.obstacles import Obstacles
 from ahmss.walking.trip import Trip
 
-__all__ = ["FACING", "again", "come_to", "go_to"]
+__all__ = ["FACING", "HANDING", "again", "come_to", "go_to"]
+
+HANDING = (0.85, 1.05, 1.2)
+"""Metres between two who hand something over: the least that will do, what is aimed at, the most that will do."""
 
 FACING = np.radians(25.0)
 """How far aside somebody may be whom one still faces."""
@@ -43,6 +48,7 @@ _GLANCE = 10  # frames in which one sees whether they walk
 _BESIDE = np.radians([40.0, 125.0])  # to the side, of who stands beside one
 _AT_SIDE = np.radians([90.0, 75.0, 105.0, 60.0])  # from where they face, to their side
 _HALF_TURNED = np.radians(25.0)  # to each other, of two who stand side by side
+_AT, _ALMOST = 0.1, 0.1  # metres: who is so near a place is there; that who comes to who sits may stop farther off
 _TRIES = 3  # who comes to somebody who walks meanwhile comes after them
 _ROOM = 0.26  # metres from things on the floor to the middle of who stands before somebody
 _ABOUT = np.radians([0.0, *(side * aside for aside in range(10, 181, 10) for side in (1.0, -1.0))])
@@ -59,7 +65,8 @@ def come_to(
 ) -> Iterator[Array | HumanPose]:
     """The frames in which one comes to stand before somebody and faces them; none where one does already.
 
-    Who walks is waited for until they stand. Of two who would come to each other at once one looks first whether the
+    Who sits is come to from before them, and comes to nobody: they wait for the other. Who walks is waited for until
+    they stand. Of two who would come to each other at once one looks first whether the
     other sets out, as where they stand decides, which both see. A hand that holds something stays as it is against the
     trunk.
 
@@ -71,8 +78,12 @@ def come_to(
         courteous: look first whether they come.
 
     Raises:
-        AlgorithmError: there is no way, or one does not stand. Rested: one was to come to rest.
+        AlgorithmError: there is no way, or one who sits waits in vain; says who is to do what. Rested: one was to come
+            to rest.
     """
+    if seat_of(task) is not None:
+        yield from until_they_come(task, whom, apart[2] + _ALMOST, beside=beside)
+        return
     for _ in range(_TRIES):
         if _is_there(task, whom, apart, beside=beside):
             return
@@ -80,7 +91,10 @@ def come_to(
             yield from _look_first(task, whom, apart, beside=beside, courteous=courteous)
             if _is_there(task, whom, apart, beside=beside):
                 return
-        yield from _gone(task, *_goal(task, whom, apart, beside=beside))
+        place, facing = _goal(task, whom, apart, beside=beside)
+        if _stands_at(task, place) and abs(aside_of(task, whom.place)) <= FACING and not beside:
+            return  # there is no better place before who sits
+        yield from _gone(task, place, facing)
         task.refuse_rest()
 
 
@@ -110,10 +124,21 @@ def _distance(task: HumanTask, whom: WorldObject) -> float:
     return float(np.hypot(*(whom.place - here)[:2]))
 
 
+def _stands_at(task: HumanTask, place: Array) -> bool:
+    here, _ = floor_frame(task.present.rotations, task.present.root)
+    return float(np.hypot(*(place - here[:2]))) < _AT
+
+
+def _in_view(task: HumanTask, whom: WorldObject) -> bool:
+    """Whether they stand, or have one before them as they sit."""
+    here, _ = floor_frame(task.present.rotations, task.present.root)
+    return seat_under(task, whom) is None or int(views(whom, here[None, :2])[0]) == 0
+
+
 def _is_there(task: HumanTask, whom: WorldObject, apart: tuple[float, float, float], *, beside: bool) -> bool:
     """Whether one stands as one should to them."""
     aside = abs(aside_of(task, whom.place))
-    faces = _BESIDE[0] <= aside <= _BESIDE[1] if beside else aside <= FACING
+    faces = _BESIDE[0] <= aside <= _BESIDE[1] if beside else aside <= FACING and _in_view(task, whom)
     return faces and apart[0] <= _distance(task, whom) <= apart[2]
 
 
@@ -125,8 +150,8 @@ def _goal(
     way = (whom.place - here)[:2]
     if beside:
         return _at_side(task, whom, way, apart)
-    near = apart[0] <= float(np.hypot(*way)) <= apart[2]
-    place = here[:2] if near else _before(task, whom.place[:2], way, apart)
+    near = apart[0] <= float(np.hypot(*way)) <= apart[2] and _in_view(task, whom)
+    place = here[:2] if near else _before(task, whom, way, apart)
     return place, float(np.arctan2(*(whom.place[:2] - place)[::-1]))
 
 
@@ -154,18 +179,32 @@ def _at_side(task: HumanTask, whom: WorldObject, way: Array, apart: tuple[float,
     return places[chosen], heading - float(sides[chosen]) * _HALF_TURNED
 
 
-def _before(task: HumanTask, whom: Array, way: Array, apart: tuple[float, float, float]) -> Array:
-    """The place (2,) from which one faces somebody (2,), on the way (2,) to them, or about them where that is taken.
+def _before(task: HumanTask, whom: WorldObject, way: Array, apart: tuple[float, float, float]) -> Array:
+    """The place (2,) from which one faces somebody, on the way (2,) to them, or about them where that is taken.
 
-    Where all are, that on the way: who goes there says what is in it.
+    To who sits it is before them, or aside where nothing before them is free. Where no place is free about who stands,
+    that on the way: who goes there says what is in it.
+
+    Raises:
+        AlgorithmError: there is room nowhere before who sits; says what stands there.
     """
-    first = float(np.arctan2(-way[1], -way[0]))
-    aways, asides = (grid.ravel() for grid in np.meshgrid(_aimed_first(apart), first + _ABOUT))
-    places = _about(whom, aways, asides)
-    free = _free(task, whom, places)
+    first, sits = float(np.arctan2(-way[1], -way[0])), seat_under(task, whom)
+    aways, asides = (grid.ravel() for grid in np.meshgrid(_aimed_first(apart), first + _ABOUT, indexing="ij"))
+    places = _about(whom.place[:2], aways, asides)
+    if sits is not None:
+        seen = views(whom, places)
+        places = places[np.argsort(seen, kind="stable")][: int((seen < OUT_OF_REACH).sum())]
+    hinders, names = _hinder(task, whom.place[:2], places)
+    free = ~hinders.any(axis=0)
     if free.any():
         return places[np.argmax(free)]
-    return whom - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
+    if sits is not None:
+        there = " and ".join(dict.fromkeys(names[i] for i in np.flatnonzero(hinders.any(axis=1)).tolist()))
+        raise AlgorithmError(
+            f"there is room nowhere before {whom.name}, who sits on {sits.name}, {there} being there; "
+            f"ask {whom.name} to stand up, by `do {sits.name} stand_up`, or move that"
+        )
+    return whom.place[:2] - apart[1] * way / max(float(np.hypot(*way)), 1e-6)
 
 
 def _aimed_first(apart: tuple[float, float, float]) -> list[float]:
@@ -175,11 +214,6 @@ def _aimed_first(apart: tuple[float, float, float]) -> list[float]:
 def _about(whom: Array, aways: Array, angles: Array) -> Array:
     """Places (n, 2) so many metres (n) from somebody (2,), in these directions (n), radians."""
     return whom + aways[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-
-
-def _free(task: HumanTask, whom: Array, places: Array) -> NDArray[np.bool_]:
-    """Which places (n, 2) have room for one who stands there, and nothing between them and somebody (2,)."""
-    return np.asarray(~_hinder(task, whom, places)[0].any(axis=0))
 
 
 def _hinder(task: HumanTask, whom: Array, places: Array) -> tuple[NDArray[np.bool_], Sequence[str]]:
@@ -198,7 +232,7 @@ def _look_first(
 ) -> Iterator[HumanPose]:
     """Frames in which one stands and looks at them, until they stand, or have come."""
     here, _ = floor_frame(task.present.rotations, task.present.root)
-    second = courteous and (here[0], here[1]) > (whom.place[0], whom.place[1])
+    second = courteous and seat_under(task, whom) is None and (here[0], here[1]) > (whom.place[0], whom.place[1])
     watching, track = Watching(task, whom), deque[Array](maxlen=_STANDS[0])
     importance = np.zeros(44)
     importance[INDEX["head"]] = 1.0

@@ -1,5 +1,7 @@
 """Giving: one comes to stand before somebody, holds the thing out between both, and lets go when their hand holds it.
 
+Who sits waits for them to come instead, and holds it out as low as both have their eyes.
+
 That it does is seen, as people see it: the palm is at the thing, the fingers have closed since it came, and both are
 still. Two people who hand something over stand a little more than a metre apart, and meet about half-way, the thing at
 the height of the belly (Basili et al. 2009: 1.16 m, from memory; the height judged).
@@ -17,7 +19,7 @@ from ahmss.algorithm import HumanPose, HumanTask, Transform, run
 from ahmss.algorithm.place import WorldObject
 from ahmss.body.array import Array
 from ahmss.body.inverse import GAZE
-from ahmss.body.links import INDEX, fingers
+from ahmss.body.links import fingers
 from ahmss.body.quaternion import from_axis_angle, multiply, rotate, slerp
 from ahmss.errors import AlgorithmError
 from ahmss.grasping.coming_off import coming_off
@@ -28,15 +30,15 @@ from ahmss.reaching.goal import Goal
 from ahmss.reaching.plan import Plan, Reaching
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.company import Watching, settled
-from ahmss.skills.meeting import again, come_to, go_to
+from ahmss.skills.meeting import HANDING, again, come_to, go_to
+from ahmss.skills.on_thigh import at_rest
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, performed, prisms_of
+from ahmss.skills.who_sits import height_of_both
 
-APART = (0.85, 1.05, 1.2)  # metres
 SHARE = 0.47  # of the way to the other at which the thing is held out
-HEIGHT = 0.63  # of the stature, the mean of both
-EYES = 0.936  # of the stature
+HEIGHT = 0.63  # of the stature of who has the eyes as high as both in the mean
 BEHIND = np.radians([40.0, 55.0, 75.0])  # from straight towards them, that a palm behind the thing looks
 TURNS = np.radians(np.arange(-180.0, 180.0, 15.0))  # of the thing about the vertical
 NEAR, CLOSED = 0.13, 0.006  # metres: a palm at the thing, and how far its fingers have closed since it came
@@ -53,7 +55,7 @@ def hand_over(task: HumanTask) -> Iterator[Array | HumanPose]:
     whom, side = task.goal_object, task.hand or "right"
     if whom is None or task.object is None:
         raise AlgorithmError("hand over what, and to whom?")
-    yield from come_to(task, whom, APART, courteous=False)
+    yield from come_to(task, whom, HANDING, courteous=False)
     task.arrived()
     begun = again(task)
     watching = Watching.of(begun)
@@ -94,9 +96,8 @@ def _held_out(task: HumanTask, whom: WorldObject, side: str) -> list[Goal]:
     """
     assert task.object is not None
     here, _ = floor_frame(task.start.rotations, task.start.root)
-    statures = (task.human.stature, float(whom.site("eyes", here).place[2]) / EYES)
     middle = here + SHARE * (whom.place - here)
-    middle[2] = HEIGHT * 0.5 * sum(statures)
+    middle[2] = HEIGHT * height_of_both(task, float(whom.site("eyes", here).place[2]))
     grip = task.start.grip(side)
     in_palm = grip.inverse().then(task.object.frame)
     upright = Transform(middle, multiply(from_axis_angle(UP, TURNS), _level(task.object.rotation)))
@@ -156,7 +157,7 @@ def _has_closed(task: HumanTask, whom: WorldObject, hand: str, track: deque[Arra
 
 
 def _back(task: HumanTask, side: str, row: Array, begun: HumanTask, *, opens: bool) -> Iterator[Array]:
-    """The hand comes off and is drawn back, and the arm goes down; or, with the thing in it, back to where it was."""
+    """The hand comes off and back, and the arm comes to rest; or, with the thing in it, back to where it was."""
     pose = HumanPose.of(row[0])
     grip = task.present.grip(side)
     hand = list(fingers(side))
@@ -174,11 +175,8 @@ def _back(task: HumanTask, side: str, row: Array, begun: HumanTask, *, opens: bo
         importance = pose.importance.copy()
         importance[hand] = 1.0
         yield task.block(rotations, np.repeat(pose.root[None], n, axis=0), importance, targets)
-    rotations = begun.start.rotations.copy()
-    if opens:
-        arm = [*range(INDEX[f"{side}_upper_arm"], INDEX[f"{side}_hand"] + 1), *hand]
-        rotations[arm] = task.human.relaxed()[0][arm]
-    yield from go_to(task, rotations, begun.start.root, HOME)
+    rotations, root = begun.start.rotations, begun.start.root
+    yield from go_to(task, at_rest(begun, rotations, root, side) if opens else rotations, root, HOME)
 
 
 if __name__ == "__main__":

@@ -31,6 +31,7 @@ from ahmss.reaching.plan import Plan, Reaching
 from ahmss.reaching.reacher import Reacher, seat
 from ahmss.skills.at_ease import at_ease
 from ahmss.skills.beside_hand import InHand, in_their_hand
+from ahmss.skills.company import eye_of
 from ahmss.skills.grasping import Closing, closing, closing_into, field_at, read_shape
 from ahmss.skills.held_out import until_held_out
 from ahmss.skills.margins import Margin, margins
@@ -39,6 +40,7 @@ from ahmss.skills.meeting import again
 from ahmss.skills.out_of_reach import tell_missed
 from ahmss.skills.planning import planned
 from ahmss.skills.reaching import Looking, goal_of, performed, prisms_of
+from ahmss.skills.sitting import seat_of
 
 MOVED, TRIES = 0.04, 3  # metres that it may have moved while the hand came to it; times that the hand comes
 ASLANT = np.radians([40.0, -40.0])  # from square to a margin, where a wrist needs it
@@ -50,6 +52,7 @@ THUMB = np.radians(92.0)  # from along the hand, before it opens further
 CLOSES, FIRMLY, DRAWS = 0.45, 0.3, 0.9  # seconds
 GONE, LETS_GO = 0.1, 1.3  # metres by which the giver's opened hand has gone back; seconds that one waits for it
 CARRIED = np.array([0.30, 0.20, 0.60])  # ahead, to the hand's side, height: shares of 1 m, 1 m and the stature
+SEATED = 0.72  # of the height of the eyes of who sits
 X = np.array([1.0, 0.0, 0.0])
 
 
@@ -264,6 +267,8 @@ def _drawn(task: HumanTask, side: str, pose: HumanPose, begun: HumanTask) -> Arr
     done = minimum_jerk(np.arange(1, n + 1) / n)[:, None]
     here = Transform(*floor_frame(begun.start.rotations, begun.start.root))
     at = CARRIED * np.array([1.0, 1.0 if side == "left" else -1.0, task.human.stature])
+    if seat_of(task) is not None:
+        at[2] = SEATED * eye_of(begun)[2]
     rotations = np.repeat(pose.rotations[None], n, axis=0)
     body = [i for i in range(len(rotations[0])) if i not in fingers(side)]
     rotations[:, body] = slerp(pose.rotations[body], begun.start.rotations[body], done)

@@ -11,11 +11,12 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import LEFT_FOOT, RIGHT_FOOT, grips, solve
 from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import align, conjugate, from_axis_angle, from_matrix, multiply, rotate, slerp
+from ahmss.body.quaternion import align, conjugate, from_axis_angle, multiply, rotate, slerp
 from ahmss.motion.easing import minimum_jerk
 from ahmss.motion.planting import feet
 from ahmss.reaching.standing import Posture
 from ahmss.skills.hands_aside import hands_aside
+from ahmss.skills.on_thigh import on_thigh
 from ahmss.skills.seat_ways import AT_EASE, Manner
 from ahmss.skills.stepping import Stance
 from ahmss.walking.library import BODY
@@ -26,7 +27,6 @@ LEAN = np.radians(47.0)  # of the trunk, at the most
 OF_HIPS = 0.6  # of the lean that the hips make
 # Shares of the time of sitting down: the hips go, the seat bears them; the trunk leans, comes up again.
 GOES, BORNE, LEANT, RISES = 0.08, 0.74, 0.54, 0.62
-ON_THIGH, OVER_THIGH, INWARD = 0.62, 0.062, np.radians(12.0)  # of the thigh; metres; of the resting hands
 THERE = 0.45  # share of the time of standing up in which hands that were elsewhere come along
 GOES_ALONG = 0.4  # of the way that a shoulder leans ahead, a hand that holds something
 HELD_OVER, HELD_BEFORE = 0.27, 0.22  # metres over the seat, before the hips, of a hand that holds something, at least
@@ -119,12 +119,10 @@ def _hands(task: HumanTask, move: Move, begun: Stance, time: Array, rotations: A
             out[:, row, :3] = was[row, :3] + root - begun.root + leant
             out[:, row, :3] += _clear(move, out[:, row, :3], time)
             continue
-        upper, lower = places[:, INDEX[f"{side}_upper_leg"]], places[:, INDEX[f"{side}_lower_leg"]]
-        rest = upper + ON_THIGH * (lower - upper) + OVER_THIGH / 1.76 * skeleton.stature * UPWARD
-        palm = _palm_down(side, move.heading)
+        thigh = on_thigh(skeleton, places, side, move.heading)
         hung = hangs[row, :3] + places[:, shoulder] - above[shoulder]
-        out[:, row, :3] = hung + share[:, None] * (rest - hung)
-        out[:, row, 3:7] = slerp(hangs[row, 3:], palm, share)
+        out[:, row, :3] = hung + share[:, None] * (thigh.place - hung)
+        out[:, row, 3:7] = slerp(hangs[row, 3:], thigh.rotation, share)
         if time[0] > time[-1]:  # up, from wherever the hands are
             come = minimum_jerk((1.0 - time) / THERE)
             off = was[row, :3] - begun.root - (out[0, row, :3] - root[0])
@@ -139,10 +137,3 @@ def _clear(move: Move, palms: Array, time: Array) -> Array:
     short = HELD_OVER + move.seat.place[2] - last[2]
     behind = HELD_BEFORE - (last - move.sits.root) @ move.ahead
     return minimum_jerk(time)[:, None] * (max(short, 0.0) * UPWARD + max(behind, 0.0) * move.ahead)
-
-
-def _palm_down(side: str, heading: float) -> Array:
-    """The rotation (4,) of a palm that lies on a thigh, the fingers ahead and a little inward."""
-    sign = 1.0 if side == "right" else -1.0
-    flat = np.array([[0.0, -sign, 0.0], [0.0, 0.0, sign], [-1.0, 0.0, 0.0]])  # columns: out of the palm, y, the thumb
-    return multiply(from_axis_angle(UPWARD, heading + sign * INWARD), from_matrix(flat))
