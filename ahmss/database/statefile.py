@@ -38,6 +38,7 @@ class StateEntry(msgspec.Struct, forbid_unknown_fields=True):
     values: list[str] = []
     range: tuple[float, float] | None = None
     text: int | None = None
+    verb: str = ""
 
 
 class AppearanceEntry(msgspec.Struct, forbid_unknown_fields=True):
@@ -91,7 +92,7 @@ def read_states(document: Document, entries: Mapping[str, dict[str, Any]]) -> di
         if low > high:
             raise document.error((*place, "range"), f"{low:g} is more than {high:g}; write the lower one first")
         first = entry.values[0] if entry.values else "" if entry.text else low
-        state = State(first, tuple(entry.values), low, high, entry.text or 0)
+        state = State(first, tuple(entry.values), low, high, entry.text or 0, entry.verb)
         initial = state.parse(first if entry.initial is None else entry.initial)
         if initial is None:
             raise document.error((*place, "initial"), f"{entry.initial!r} is not among: {state.allowed}")

@@ -7,7 +7,7 @@ import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from ahmss.main.company import KIND
 from ahmss.main.description import Scene
 from ahmss.main.enabling import bringing, what_sets
 from ahmss.states.condition import Condition
+from ahmss.states.wording import lacking, said, so_now
 from ahmss.world.schema import ObjectRecord
 
 __all__ = [
@@ -139,16 +140,26 @@ def _otherwise(what: Meant, actor: Actor, when: Condition, now: Mapping[str, str
     }
     if any(when.holds({**now, HELD: held}) for held in told):
         return told[str(now[HELD])]
-    if any(when.holds({**now, ONESELF: oneself}) for oneself in ("yes", "no")):
+    lacks = lacking(when, now)
+    if all(any(clause.state == ONESELF for clause in clauses) for clauses in lacks):
         return "one does that to others, not to oneself" if now[ONESELF] == "yes" else "one does that by oneself only"
-    shown = ", ".join(
-        f"{name} is {now[name]}" for name in dict.fromkeys(c.state for c in when.clauses()) if name in now
-    )
+    says = partial(_said_of, what, actor)
     there = what.affordance.parameters.get("position") in now.values()  # what it would bring is so already
-    lacking = (clause for clause in when.clauses() if not clause.holds(now) and not there)
-    action = next(filter(None, (bringing(what.kind, clause, _drives) for clause in lacking)), "")
+    clauses = [] if there else [clause for some in lacks for clause in some]
+    action = next(filter(None, (bringing(what.kind, clause, _drives) for clause in clauses)), "")
     first = f"; `do {what.name} {action}` first" if action else ""
-    return f"only when {when.text}; {shown or 'it has no such state'}{first}"
+    return f"only when {said(lacks, says)}; {so_now(lacks, now, says) or 'it has no such state'}{first}"
+
+
+def _said_of(what: Meant, actor: Actor, state: str, value: str) -> str:
+    """A state in words: "its position is out", or as its file says, "aiko holds something"."""
+    if state == HELD:
+        who = {"here": f"{actor.name} holds it", "elsewhere": "somebody else holds it", "no": "nobody holds it"}
+        return who.get(value) or f"not so that {who[value.removeprefix('not ')]}"
+    if state == ONESELF:
+        return "it is done to oneself" if value in ("yes", "not no") else "it is done to others"
+    verb = what.kind.states[state].verb
+    return f"{what.name} {verb} {value}" if verb else f"its {state.replace('_', ' ')} is {value}"
 
 
 def _drives(affordance: Affordance) -> str:
@@ -202,7 +213,7 @@ def _lacks(affordance: Affordance, actor: Actor) -> str:
         return f"it takes something in the hand, and {actor.name} holds nothing"
     for need, least in affordance.needs.items():
         if has.get(need, math.inf) < least - 1e-9:
-            return f"needs {need} {least:g}; {actor.name} has {has[need]:.4g}"
+            return f"it takes a {need} of {least:g} m, and {actor.name}'s is {has[need]:.4g} m"
     return ""
 
 

@@ -9,13 +9,17 @@ __all__ = ["State"]
 
 class State(msgspec.Struct, frozen=True, omit_defaults=True):
     """What may be true of an object: one of `values`, any text of at most `text` characters, or a number from `low` to
-    `high`."""
+    `high`.
+
+    verb: what is said before a value with the object's name, as in "aiko holds something"; "": "its position is".
+    """
 
     initial: str | float
     values: tuple[str, ...] = ()
     low: float = 0.0
     high: float = 0.0
     text: int = 0
+    verb: str = ""
 
     @property
     def is_number(self) -> bool:

@@ -15,7 +15,7 @@ from ahmss.body.array import Array
 from ahmss.database import Workspace
 from ahmss.database.check import check
 from ahmss.errors import CommandError, DataError
-from ahmss.main.afforded import Actor, meant, why_not
+from ahmss.main.afforded import Actor, Meant, meant, why_not
 from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Act
 from ahmss.main.database import Database
@@ -23,6 +23,7 @@ from ahmss.main.enabling import not_enabled
 from ahmss.main.listing import list_workspace
 from ahmss.main.passing import taking
 from ahmss.main.who_reaches import who_reaches
+from ahmss.states.condition import parse_condition
 from ahmss.world.schema import ObjectRecord
 
 SHIPPED = Workspace(Path(__file__).resolve().parents[2])
@@ -143,7 +144,7 @@ def test_a_panel_is_pressed_by_its_button(workspace: Workspace) -> None:
     assert (order.object, order.title, order.hand) == ("panel/button", "panel/button press", "right")
     room.objects["panel/button"].states["position"] = "in"
     assert actions(room, "panel", ken(), workspace) == set()
-    with pytest.raises(CommandError, match="panel/button press: only when position == out; position is in"):
+    with pytest.raises(CommandError, match="panel/button press: only when its position is out; its position is in"):
         Database(workspace).check(order, room, ken())
     del room.objects["panel/button"]
     with pytest.raises(CommandError, match="panel press: its button is not in the world any more"):
@@ -266,7 +267,9 @@ def test_what_is_not_enabled_names_what_enables_it() -> None:
     ]
     assert told("button_2") == told("button_5") == told("button_10") == []  # nothing to stop, or to acknowledge
     assert why_not(meant(SHIPPED, room, key, "turn"), ken()).endswith(f"cover is closed; `do {key} open` first")  # type: ignore[arg-type]
-    assert why_not(meant(SHIPPED, room, key, "close"), ken()).endswith("only when cover == open; cover is closed")  # type: ignore[arg-type]
+    assert why_not(meant(SHIPPED, room, key, "close"), ken()).endswith(
+        "only when its cover is open; its cover is closed"
+    )  # type: ignore[arg-type]
     room.objects[pump] = replace(room.objects[pump], states=room.objects[pump].states | {"enabled": "yes"})
     assert told("button_1") == []
 
@@ -297,3 +300,37 @@ def test_who_could_is_named_where_something_is_too_high() -> None:
     for height, ends in ((1.8, "aiko reaches 1.78 m; ken reaches it"), (2.5, "aiko reaches 1.78 m")):
         high = dataclasses.replace(what, pose=np.array([0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0]))
         assert who_reaches(why_not(high, actor), room, high, actor).endswith(ends)  # type: ignore[arg-type]
+
+
+def test_why_somebody_who_holds_nothing_gives_nothing_is_said_as_a_person_would() -> None:
+    """The condition of the file was read out: `only when oneself == no and holds == something`."""
+    kind = SHIPPED.objects.get("human")
+    record = ObjectRecord(-2, "aiko", "human", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), states={"holds": "nothing"})
+    receive = Meant("aiko", record, kind, kind.affordances["receive"], np.zeros(7))
+    assert why_not(receive, ken()) == "aiko receive: only when aiko holds something; aiko holds nothing"
+    oneself = dataclasses.replace(receive, name="ken")
+    assert why_not(oneself, ken()) == "ken receive: one does that to others, not to oneself"
+
+
+@pytest.mark.parametrize(
+    ("when", "why"),
+    [
+        ("page < 5", "its page is under 5; its page is 5"),
+        ("page != 5 and cover == open", "its page is not 5 and its cover is open; its page is 5, its cover is closed"),
+        (
+            "cover == open or page >= 5.5",
+            "its cover is open, or its page is at least 5.5; its cover is closed, its page",
+        ),
+        ("held == here and cover == open", "ken holds it and its cover is open; nobody holds it, its cover is closed"),
+        ("page <= 5 and cover == open", "its cover is open; its cover is closed"),
+    ],
+)
+def test_what_a_condition_lacks_is_said_in_words(when: str, why: str) -> None:
+    kind = SHIPPED.objects.get("manual")
+    record = ObjectRecord(
+        1, "manual", "manual", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), states={"cover": "closed", "page": 5.0}
+    )
+    affordance = replace(next(iter(kind.affordances.values())), when=parse_condition(when))
+    assert why_not(Meant("manual", record, kind, affordance, np.zeros(7)), ken(), "manual leaf").startswith(
+        f"manual leaf: only when {why}"
+    )

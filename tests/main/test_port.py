@@ -104,7 +104,7 @@ def test_what_is_afforded_is_what_the_dialogue_lists_and_the_rest_says_why_not(k
     }  # fmt: skip
     later = {action.name: action.reason for action in told.later}
     assert later["drop"] == "b drop: ken does not hold it"
-    assert "needs reach 3" in later["reach_high"]
+    assert "a reach of 3 m" in later["reach_high"]
 
 
 def test_a_line_is_accepted_goes_on_and_is_done(ken: Client, main: MainProcess) -> None:

@@ -231,7 +231,7 @@ def test_a_bad_algorithm_costs_one_line_and_disturbs_nothing_else(
         ("do b wave angle=fast", "line 1: b wave: parameter angle: 'fast' is no finite number"),
         ("do b shake", "b shake: ken does not hold it"),
         ("do b step", "line 1: b step: asks for a place; add `to X Y Z`, or `to` and an object"),
-        ("do b reach_high", "b reach_high: needs reach 3; ken has 2."),
+        ("do b reach_high", "b reach_high: it takes a reach of 3 m, and ken's is 2."),
         ("set b lid ajar", 'line 1: b lid can\'t be "ajar"; allowed: shut, open'),
         ("set b colour red", 'line 1: b has no state "colour"; it has: lid'),
         ("aiko: do b wave", "line 1: this main moves ken, not aiko; humans here: ken"),
@@ -254,7 +254,7 @@ def test_what_can_not_be_done_is_said_in_one_line_and_the_rest_goes_on(
 
 def test_an_action_is_afforded_in_some_states_only(ken: MainProcess) -> None:
     ken.play(steps("do b open frames 10", "set b lid open", "do b open frames 10"))
-    assert ken.report.messages == ["b open: only when lid == shut; lid is open"]
+    assert ken.report.messages == ["b open: only when its lid is shut; its lid is open"]
 
 
 def test_nobody_takes_what_somebody_else_holds(server: Start, join: Join) -> None:

@@ -212,7 +212,7 @@ def test_the_pump_is_started_by_who_was_told_the_tools_alone_and_reads_why_not()
         assert "enabled is no" in next(line for line in mind.right("list_objects").splitlines() if pump[1] in line)
         # The key does not turn under its cover; what does it afford now?
         said = mind.wrong("act", object=starts[2], action="turn")
-        opens = re.search(r"only when cover == open; .*it affords now: (\w+)", said)
+        opens = re.search(r"only when its cover is open; .*it affords now: (\w+)", said)
         assert opens is not None
         mind.right("act", object=starts[2], action=opens[1])
         # A position that it does not have: those that it has.

@@ -36,7 +36,7 @@ aiko: do ken talk seconds=1
 def play(folder: Path, text: str) -> tuple[Path, list[list[str]]]:
     (folder / "script.txt").write_text(text)
     recording = folder / "run.rec"
-    report = play_script(folder / "script.txt", PlaySetup(workspace=str(ROOT), fast=True, record=recording))
+    report = play_script(folder / "script.txt", PlaySetup(workspace=ROOT, fast=True, record=recording))
     return recording, [list(main["messages"]) for main in report.mains]  # type: ignore[arg-type]
 
 
@@ -70,7 +70,9 @@ def test_two_who_sit_far_apart_are_told_that_one_is_to_stand_up(tmp_path: Path) 
         "aiko: do chair sit\nken: do other sit\nsync\naiko: do ken talk seconds=1\n",
     )
     (line,) = said[0] + said[1]
-    assert "m off and sits on other; one must stand to meet them there; `do chair stand_up` first, or ask ken to" in line
+    assert (
+        "m off and sits on other; one must stand to meet them there; `do chair stand_up` first, or ask ken to" in line
+    )
 
 
 @pytest.mark.timeout(60)
