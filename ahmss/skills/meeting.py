@@ -82,7 +82,7 @@ def come_to(
             to rest.
     """
     if seat_of(task) is not None:
-        yield from until_they_come(task, whom, apart[2] + _ALMOST, beside=beside)
+        yield from until_they_come(task, whom, apart[2] + _ALMOST, beside=beside, handing=apart == HANDING)
         return
     for _ in range(_TRIES):
         if _is_there(task, whom, apart, beside=beside):
@@ -199,7 +199,7 @@ def _before(task: HumanTask, whom: WorldObject, way: Array, apart: tuple[float, 
     if free.any():
         return places[np.argmax(free)]
     if sits is not None:
-        there = " and ".join(dict.fromkeys(names[i] for i in np.flatnonzero(hinders.any(axis=1)).tolist()))
+        there = ", ".join(dict.fromkeys(names[i] for i in np.flatnonzero(hinders.any(axis=1)).tolist()))
         raise AlgorithmError(
             f"there is room nowhere before {whom.name}, who sits on {sits.name}, {there} being there; "
             f"ask {whom.name} to stand up, by `do {sits.name} stand_up`, or move that"

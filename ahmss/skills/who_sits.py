@@ -27,15 +27,26 @@ OUT_OF_REACH = 2
 
 _BEFORE, _TO_REACH = np.radians([40.0, 90.0])  # aside of where who sits faces: before them; as far as arms come
 _EYES = 0.936  # of the stature
-_PATIENCE, _LOOKS, _TELLS = 10.0, 3.3, 0.5  # seconds: for who does not move; who stands aside; until it is told
+_PATIENCE, _TELLS = 10.0, 0.5  # seconds that one waits for somebody who does not move; after which it is told
+_LOOKS = 1.0, 3.3  # seconds that who stands aside is looked at: who faces one there to talk, and others
+_FACING = np.radians(25.0)
 _STILL = 10, 0.03  # frames, metres: who has moved no more than that stands
 
 
 def views(whom: WorldObject, places: Array) -> NDArray[np.int_]:
     """How well somebody who sits has who comes to places (n, 2) before them: 0 well, 1 aside, 2 out of their reach."""
+    return _how_well(_bearing(whom, places))
+
+
+def _bearing(whom: WorldObject, places: Array) -> Array:
+    """How far places (..., 2) are to the left of where somebody faces, radians."""
     heading = 2.0 * np.arctan2(whom.rotation[3], whom.rotation[0])
     off = places - whom.place[:2]
-    return _how_well((np.arctan2(off[:, 1], off[:, 0]) - heading + np.pi) % (2.0 * np.pi) - np.pi)
+    return (np.arctan2(off[..., 1], off[..., 0]) - heading + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def _faces(task: HumanTask, whom: WorldObject) -> bool:
+    return bool(abs(_bearing(whom, task.present.root[:2])) <= _FACING)
 
 
 def _how_well(aside: Array | float) -> NDArray[np.int_]:
@@ -52,11 +63,13 @@ def height_of_both(task: HumanTask, eyes: float) -> float:
     return 0.5 * (own + eyes / _EYES)
 
 
-def until_they_come(task: HumanTask, whom: WorldObject, most: float, *, beside: bool = False) -> Iterator[HumanPose]:
+def until_they_come(
+    task: HumanTask, whom: WorldObject, most: float, *, beside: bool = False, handing: bool = False
+) -> Iterator[HumanPose]:
     """Frames in which who sits looks at somebody until these stand before them, no farther than `most` metres.
 
     Who stands aside, where arms come as well, may be about to come round, and is looked at for a while. beside: to
-    either side they are where they should be.
+    either side they are where they should be. handing: once something is held out to them they are not to go on.
 
     Raises:
         AlgorithmError: they sit elsewhere, or do not come within the parameter `patience`; says who is to do what.
@@ -72,7 +85,8 @@ def until_they_come(task: HumanTask, whom: WorldObject, most: float, *, beside: 
         sits = seat_under(task, whom) if stood else None
         seen = int(_how_well(aside_of(task, whom.place)))
         if seen < OUT_OF_REACH and stood and _distance(task, whom) <= most:
-            if seen == 0 or beside or sits or stood > _LOOKS * task.rate:
+            looks = _LOOKS[handing or not _faces(task, whom)]
+            if seen == 0 or beside or sits or stood > looks * task.rate:
                 return
         elif sits or stood > task.parameter("patience", _PATIENCE) * task.rate:
             _refuse(task, whom, sits)

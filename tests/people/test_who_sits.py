@@ -84,3 +84,19 @@ def test_who_sits_is_told_of_who_stands_behind_and_does_not_come(tmp_path: Path)
         "aiko: do chair sit\nsync\naiko: do ken talk seconds=1 patience=1\n",
     )
     assert any("180 degrees aside and does not come; one must stand" in line for line in said[1])
+
+
+@pytest.mark.timeout(60)
+def test_who_comes_to_one_who_sits_between_tables_is_told_that_they_are_to_stand_up(tmp_path: Path) -> None:
+    _, said = play(
+        tmp_path,
+        "add floor\nadd chair at 0 0 0 facing 0\n"
+        "human ken body ken at -1.6 0.2 facing 0\nhuman aiko body aiko at 0.9 0 facing 180\n"
+        "aiko: do chair sit\nsync\n"
+        "add table at 1.05 0 0 facing 90\nadd table as left at 0 1.05\nadd table as right at 0 -1.05\nwait 0.5\n"
+        "ken: do aiko talk seconds=1\n",
+    )
+    (line,) = said[0] + said[1]
+    assert (
+        "room nowhere before aiko, who sits on chair, table, left, right being there; ask aiko to stand up, by" in line
+    )
