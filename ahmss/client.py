@@ -92,6 +92,8 @@ class Client:
 
     def object(self, name: str) -> Thing:
         """One object. PortRefused: there is none of that name; says which are meant."""
+        if not name:  # asked for by no name are all
+            raise PortRefused('no object ""; `objects` tells which there are')
         return self._ask(schema.GetObjects(name), schema.Objects).objects[0]
 
     def state(self, name: str) -> dict[str, StateValue]:
@@ -219,9 +221,11 @@ class Client:
     def _exchange(self, request: Request, timeout: float) -> Reply:
         self._number += 1
         number = self._number
-        request = msgspec.structs.replace(request, request=number)
+        data = schema.encode(msgspec.structs.replace(request, request=number))
+        if len(data) > schema.LARGEST:
+            raise PortRefused(f"a request of {len(data)} bytes is too long; allowed are {schema.LARGEST}: ask for less")
         try:
-            self._socket.send(schema.encode(request), zmq.NOBLOCK)
+            self._socket.send(data, zmq.NOBLOCK)
         except zmq.Again:
             raise self._nobody() from None
         end = time.monotonic() + timeout

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ahmss.database.objectfile import NAME
+from ahmss.database.records import ObjectKind
 from ahmss.database.workspace import Workspace
 from ahmss.errors import CommandError
 
@@ -17,7 +18,6 @@ __all__ = ["new_panel"]
 
 _GAP = 0.035  # metres between controls
 _EDGE = 0.05  # metres between the outer ones and the plate's border
-_SIZE = 0.04  # metres, of a control whose kind does not say
 _FOOT, _BACK, _LIP = 0.2, 0.34, 0.05  # metres: room for the toes, least depth, height of the plate's front
 _LIP_BACK = 0.02  # metres: from the plate's front to where its foot begins
 _STAND = 0.3  # metres before the plate's front
@@ -116,13 +116,30 @@ def _folder(workspace: Workspace, name: str) -> Path:
 def _control(workspace: Workspace, kind: str) -> _Control:
     """A kind of control, as wide and high as its property `box` says."""
     if kind not in workspace.objects.names():
-        raise CommandError(f"--of {kind}: no such object; there are: {', '.join(workspace.objects.names())}")
-    box: Any = workspace.objects.get(kind).properties.get("box")
+        raise CommandError(f"--of {kind}: no such object; of controls there are: {_controls(workspace)}")
+    size = _size(workspace.objects.get(kind))
+    if size is None:
+        raise CommandError(
+            f"--of {kind}: no control, for its file has no property `box`, what it fills on a plate; of controls there "
+            f"are: {_controls(workspace)}"
+        )
+    return _Control(kind, *size)
+
+
+def _size(kind: ObjectKind) -> tuple[float, float] | None:
+    """How wide and high a control is on a plate, metres; None of what is none."""
+    box: Any = kind.properties.get("box")
     try:
         low, high = box
-        return _Control(kind, float(high[1] - low[1]), float(high[2] - low[2]))
+        return float(high[1] - low[1]), float(high[2] - low[2])
     except (TypeError, ValueError, IndexError):
-        return _Control(kind, _SIZE, _SIZE)
+        return None
+
+
+def _controls(workspace: Workspace) -> str:
+    """The kinds of control that there are, in words."""
+    kinds = [workspace.objects.get(entry.name) for entry in workspace.objects.list() if not entry.error]
+    return ", ".join(kind.name for kind in kinds if _size(kind) is not None) or "none"
 
 
 def _lines(plate: _Plate, rows: Sequence[_Control], columns: int) -> list[str]:

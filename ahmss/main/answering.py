@@ -22,6 +22,7 @@ from ahmss.main.catalogue import WorldCatalogue
 from ahmss.main.command import Do as DoLine
 from ahmss.main.command import parse
 from ahmss.main.comparing import Comparison
+from ahmss.main.details import PATIENCE
 from ahmss.main.joined import refuse_two_carriers
 from ahmss.main.ledger import OVER, Ledger
 from ahmss.main.naming import find_object, refuse_another
@@ -151,8 +152,8 @@ class Answering:
                 told[key] = _in_words(parameter, affordance.parameters.get(key, parameter.default))
         return Action(action, sentence, list(affordance.asks), affordance.frames, told)
 
-    def _why_not(self, name: str, action: str) -> str:
-        """Why an action is not offered now."""
+    def _why_not(self, name: str, action: str, *, waits: bool = False) -> str:
+        """Why an action is not offered now; that another has the object is no reason for who waits."""
         main = self._main
         try:
             what = meant(main.workspace, main.communication, name, action)
@@ -160,7 +161,7 @@ class Answering:
             return str(error)
         actor = main.actor
         reason = who_reaches(why_not(what, actor), main.communication, what, actor)
-        if not reason and not offered(what, actor):
+        if not reason and not waits and not offered(what, actor):
             return f"{what.name} {action}: {what.record.holder} holds it; wait until it is let go"
         return reason
 
@@ -192,7 +193,8 @@ class Answering:
         for order in orders:
             if not order.act.follows and not order.act.after:
                 asked = order.whom or order.object  # what is given or taken is the thing, who affords it the human
-                reason = self._why_not(asked, order.affordance.name)
+                waits = PATIENCE in dict(order.act.parameters) and order.patience > 0.0
+                reason = self._why_not(asked, order.affordance.name, waits=waits)
                 if reason:
                     raise CommandError(f"{reason}; it affords now: {self._offers(asked)}")
 

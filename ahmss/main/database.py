@@ -248,7 +248,9 @@ class Database:
                 raise
             if such := [full for full, record in scene.objects.items() if record.kind == name]:
                 raise CommandError(f'no object is called "{name}"; of that kind there are: {some(such)}') from None
-            raise CommandError(f'no object "{name}" in the world; add one: `add {name} at X Y Z`') from None
+            raise CommandError(
+                f'no object "{name}" in the world; add one: `add {name} at X Y Z`, in a scene or at a console'
+            ) from None
 
     def _affordances(self, record: ObjectRecord) -> dict[str, Affordance]:
         try:

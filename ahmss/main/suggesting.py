@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 from collections.abc import Iterable, Sequence
 from typing import Protocol
 
@@ -11,6 +12,7 @@ from ahmss.errors import AhmssError
 __all__ = ["Offers", "as_a_line", "nearest", "some"]
 
 _MOST = 12  # names that a sentence lists
+_IN_WORDS = 2  # names that differ by their number only, and are listed all the same
 _LOOKED_AT = 200  # objects whose actions are looked at
 _GOALS = ("grasp", "reach", "press")  # whoever affords one of these is what one walks to, for an example
 
@@ -48,10 +50,24 @@ def nearest(text: str, names: Iterable[str]) -> str:
 
 
 def some(names: Iterable[str]) -> str:
-    """Names as a sentence lists them: all, or the first and how many more there are."""
-    every = list(names)
+    """Names as a sentence lists them: all, or the first and how many more there are.
+
+    Of more than two that are numbered, in a row, the first and the last stand for all: `panel/lever_1 to _10`.
+    """
+    every = [_row(list(row)) for _, row in itertools.groupby(names, _stem)]
     more = f" and {len(every) - _MOST} more" if len(every) > _MOST else ""
     return (", ".join(every[:_MOST]) or "none") + more
+
+
+def _stem(name: str) -> str:
+    """A name without the number at its end, if it has one after an underscore."""
+    stem, _, number = name.rpartition("_")
+    return f"{stem}_" if number.isdecimal() else name
+
+
+def _row(names: Sequence[str]) -> str:
+    """Names of one stem, in words."""
+    return f"{names[0]} to _{names[-1].rpartition('_')[2]}" if len(names) > _IN_WORDS else ", ".join(names)
 
 
 def as_a_line(text: str, offers: Offers) -> str:

@@ -30,6 +30,7 @@ def workspace(tmp_path: Path) -> Workspace:
     for folder in ("press", "pressed", "slide", "slid"):
         shutil.copytree(ROOT / "algorithms" / folder, tmp_path / "algorithms" / folder)
     (tmp_path / "objectdb/floor").mkdir()
+    (tmp_path / "objectdb/floor/object.toml").write_text('name = "floor"\nsentence = "A floor."\n')
     shutil.copy(ROOT / "objectdb/floor/walk.npz", tmp_path / "objectdb/floor/walk.npz")
     (tmp_path / "humandb").mkdir()
     return Workspace(tmp_path)
@@ -78,7 +79,8 @@ def test_hands_are_told_of_a_console_as_it_is_drawn(workspace: Workspace, slope:
     [
         ("push_button", ["lever"], 1, 60.0, 1.0, "exists already"),
         ("9", ["lever"], 1, 60.0, 1.0, "no name for a panel"),
-        ("board", ["handle"], 1, 60.0, 1.0, "no such object"),
+        ("board", ["handle"], 1, 60.0, 1.0, "no such object; of controls there are: lever, push_button"),
+        ("board", ["lever", "floor"], 2, 60.0, 1.0, "--of floor: no control, .* are: lever, push_button"),
         ("board", ["lever"], 0, 60.0, 1.0, "allowed: 1 to 400"),
         ("board", ["lever"], 1, 95.0, 1.0, "0 .flat. to 90"),
         ("board", ["lever"], 14, 90.0, 1.0, "choose another height"),

@@ -234,7 +234,9 @@ def test_an_action_without_a_sentence_is_listed_by_that_of_its_algorithm(
 
 
 def test_a_kind_of_which_there_is_none_is_told_how_to_be_added() -> None:
-    with pytest.raises(CommandError, match=r'no object "keyboard" in the world; add one: `add keyboard at X Y Z`'):
+    with pytest.raises(
+        CommandError, match=r'no object "keyboard" in the world; add one: `add keyboard at X Y Z`, in a scene'
+    ):
         Database(SHIPPED).order(Act("keyboard", "type"), Room(), ken())  # type: ignore[arg-type]
     with pytest.raises(CommandError, match=r'no object "keybord" in the world; there are: room, '):
         Database(SHIPPED).order(Act("keybord", "type"), Room(), ken())  # type: ignore[arg-type]

@@ -187,6 +187,28 @@ def test_only_lines_that_move_this_human_are_taken(ken: Client) -> None:
     assert ken.do_line("ken: do b wave frames 3").wait(20.0).status == "done"
 
 
+def test_what_another_has_is_refused_at_once_but_to_who_has_patience(ken: Client, main: MainProcess) -> None:
+    server = str(main.communication.client.address)
+    aiko = MainProcess(
+        Setup("aiko", "aiko", server=server, workspace=main.workspace.root, place=(0.0, 1.0)), lambda _: None
+    )
+    try:
+        aiko.play(steps("do b take frames 20"))
+        for words in ("", " patience=0"):
+            with pytest.raises(PortRefused, match="b take: aiko holds it; wait until it is let go"):
+                ken.do_line(f"do b take{words} frames 20")
+        taking = ken.do_line("do b take patience=30 frames 20")
+        while not taking.progress.notes:
+            aiko.frame()
+        assert taking.progress.notes == ["b take: waits for aiko, who has b"]
+        aiko.play(steps("do b drop frames 20"))
+        taking.wait(timeout=30.0)
+        assert ken.object("b").holder == "ken"
+        ken.do_line("do b drop frames 20").wait(timeout=30.0)
+    finally:
+        aiko.close()
+
+
 def test_a_state_is_waited_for_and_one_that_never_comes_is_refused(ken: Client, main: MainProcess) -> None:
     assert ken.wait_until("b", "lid", "==", "shut") == "shut"
     with pytest.raises(TimeoutError, match=r"b lid is shut after 0\.1 s, not == open"):
@@ -206,6 +228,14 @@ def test_a_state_is_waited_for_and_one_that_never_comes_is_refused(ken: Client, 
     assert {action.name for action in ken.afforded("b").later} >= {"open"}
     main.communication.set_state("b", "lid", "shut")
     assert ken.wait_until("b", "lid", "==", "shut", timeout=20.0) == "shut"
+
+
+def test_no_name_is_no_object_and_a_request_too_long_is_not_sent(ken: Client) -> None:
+    with pytest.raises(PortRefused, match=r'no object ""'):
+        ken.state("")
+    with pytest.raises(PortRefused, match="is too long; allowed are 65536"):
+        ken.do_line("do " + "x" * 70_000)
+    assert ken.me().human == "ken"
 
 
 def test_a_number_that_is_none_and_too_many_lines_are_refused(ken: Client) -> None:
