@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -16,7 +17,8 @@ from ahmss.errors import CommandError
 
 __all__ = ["new_panel"]
 
-_GAP = 0.035  # metres between controls
+_GAP = 0.035  # metres between controls,
+_ASLANT = 0.8  # or, between rows, so much of how far one stands out
 _EDGE = 0.05  # metres between the outer ones and the plate's border
 _FOOT, _BACK, _LIP = 0.2, 0.34, 0.05  # metres: room for the toes, least depth, height of the plate's front
 _LIP_BACK = 0.02  # metres: from the plate's front to where its foot begins
@@ -52,11 +54,18 @@ facing_deg = 180
 
 @dataclass(frozen=True)
 class _Control:
-    """A control of a kind, and how wide (y) and high (z) it is on the plate, metres."""
+    """A control of a kind, how wide (y) and high (z) it is on the plate, how far up from its origin and out, metres."""
 
     kind: str
     width: float
     height: float
+    up: float
+    out: float
+
+    @property
+    def room(self) -> float:
+        """How far from it the next row is, metres: a hand comes aslant past what stands out far."""
+        return max(_GAP, _ASLANT * self.out)
 
 
 def new_panel(
@@ -80,7 +89,7 @@ def new_panel(
         raise CommandError(f"--slope {slope_deg:g}; allowed: 0 (flat) to 90 (upright)")
     found = [_control(workspace, kind) for kind in kinds]
     used = [found[row % len(found)] for row in range(rows)]
-    length = sum(control.height + _GAP for control in used) - _GAP + 2.0 * _EDGE
+    length = sum(control.height for control in used) + sum(_rooms(used)) + 2.0 * _EDGE
     width = columns * (max(control.width for control in used) + _GAP) - _GAP + 2.0 * _EDGE
     slope = math.radians(slope_deg)
     low = height - 0.5 * length * math.sin(slope)
@@ -114,7 +123,7 @@ def _folder(workspace: Workspace, name: str) -> Path:
 
 
 def _control(workspace: Workspace, kind: str) -> _Control:
-    """A kind of control, as wide and high as its property `box` says."""
+    """A kind of control, as large as its property `box` says."""
     if kind not in workspace.objects.names():
         raise CommandError(f"--of {kind}: no such object; of controls there are: {_controls(workspace)}")
     size = _size(workspace.objects.get(kind))
@@ -126,12 +135,12 @@ def _control(workspace: Workspace, kind: str) -> _Control:
     return _Control(kind, *size)
 
 
-def _size(kind: ObjectKind) -> tuple[float, float] | None:
-    """How wide and high a control is on a plate, metres; None of what is none."""
+def _size(kind: ObjectKind) -> tuple[float, float, float, float] | None:
+    """How wide and high a control is on a plate, how far up from its origin and out; None of what is none."""
     box: Any = kind.properties.get("box")
     try:
         low, high = box
-        return float(high[1] - low[1]), float(high[2] - low[2])
+        return float(high[1] - low[1]), float(high[2] - low[2]), float(high[2]), float(high[0])
     except (TypeError, ValueError, IndexError):
         return None
 
@@ -142,15 +151,20 @@ def _controls(workspace: Workspace) -> str:
     return ", ".join(kind.name for kind in kinds if _size(kind) is not None) or "none"
 
 
+def _rooms(rows: Sequence[_Control]) -> list[float]:
+    """How far rows are from each other, metres."""
+    return [max(one.room, other.room) for one, other in itertools.pairwise(rows)]
+
+
 def _lines(plate: _Plate, rows: Sequence[_Control], columns: int) -> list[str]:
     """One line for each control, row by row from the top, from the left as one who stands before it sees them."""
     pitch = (plate.width - 2.0 * _EDGE + _GAP) / columns
     numbers: Counter[str] = Counter()
     out: list[str] = []
     along = plate.length - _EDGE
-    for control in rows:
+    for control, room in zip(rows, [*_rooms(rows), 0.0], strict=True):
         short = control.kind.rpartition("_")[2]
-        at = along - 0.5 * control.height
+        at = along - control.up
         for column in range(columns):
             numbers[short] += 1
             y = (column - 0.5 * (columns - 1)) * pitch
@@ -160,7 +174,7 @@ def _lines(plate: _Plate, rows: Sequence[_Control], columns: int) -> list[str]:
                 f'  {{ kind = "{control.kind}", name = "{short}_{numbers[short]}", '
                 f"position = [{_short(x)}, {_short(y)}, {_short(z)}]{turned} }},"
             )
-        along -= control.height + _GAP
+        along -= control.height + room
     return out
 
 

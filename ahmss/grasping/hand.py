@@ -157,10 +157,10 @@ class Hand:
         seen = places[:, None, None] + rotate(q_object_hand[:, None, None], middles)
         return (solid.clearance(seen) - radii).min(axis=-1)
 
-    def opening(self, rotations: Array) -> Array:
-        """Metres (F) between the tips of thumb and index finger, of rotations (F, 14, 4)."""
+    def openings(self, rotations: Array) -> Array:
+        """Metres (F, 4) between the tips of the thumb and each finger, the index first, of rotations (F, 14, 4)."""
         middles, _ = self.balls(rotations)
-        return np.linalg.norm(middles[:, 1, -1] - middles[:, 4, -1], axis=-1)
+        return np.linalg.norm(middles[:, 4::3, -1] - middles[:, 1:2, -1], axis=-1)
 
     def palm_depth(self, solid: Solid, palms: Array) -> Array:
         """How deep the skin of the palm is in a solid, metres (F), negative outside, its frame at places (F, 7)."""

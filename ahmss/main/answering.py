@@ -161,7 +161,9 @@ class Answering:
             return str(error)
         actor = main.actor
         reason = who_reaches(why_not(what, actor), main.communication, what, actor)
-        if not reason and not waits and not offered(what, actor):
+        if waits and what.record.holder not in ("", actor.name):
+            return ""
+        if not reason and not offered(what, actor):
             return f"{what.name} {action}: {what.record.holder} holds it; wait until it is let go"
         return reason
 

@@ -6,7 +6,7 @@ Nobody goes anywhere in vain: what would come of it is worked out before the ste
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -27,9 +27,12 @@ from ahmss.walking import goals
 __all__ = ["or_elsewhere"]
 
 Worked = TypeVar("Worked")
+Result = TypeVar("Result")
+Worth = Callable[[Reaching], float]
 Attempt = Callable[[HumanTask, Looking, Worked | None, float], Generator[Array, None, Worked]]
-_MOST = 5  # stands from which it is tried
+_MOST, _FOR_ONE = 5, 2  # stands from which it is tried, and of those that are best for one hand alone
 _CLEAN = 0.006  # metres: what is amiss by less is as good as can be
+_LONG = 1.0  # seconds of thinking from which on it is told of what
 _PLAINLY = 0.005  # metres by which what is worse than the best is not looked at further
 _AMISS, _WORTH = 0.01, 0.004  # metres amiss from which on it is tried elsewhere, and by which that is to be better
 _ASIDE = (0.14, -0.14, 0.3, -0.3, 0.0, 0.44, -0.44, 0.58, -0.58)  # metres that one stands aside of it
@@ -41,10 +44,11 @@ def or_elsewhere(
     task: HumanTask,
     gaze: Looking,
     attempt: Attempt[Worked],
-    worth: Callable[[Reaching], float],
+    worth: Worth,
     flaw: Callable[[Worked], float],
     amiss: Callable[[Worked], float] = lambda _: 0.0,
     at_best: float = np.inf,
+    apart: Sequence[Worth] = (),
 ) -> Generator[Array, None, tuple[HumanTask, Looking, Worked]]:
     """What an attempt comes to from where one stands; where it is refused, or much amiss, from elsewhere, after steps.
 
@@ -56,7 +60,8 @@ def or_elsewhere(
             what it came to when it was thought of from there, if it was, it makes the same again where that serves. It
             leaves early what has a greater flaw than so many metres.
         worth: how well it may come off from how somebody stands, as far as one sees at once; -inf: it won't. at_best:
-            no stand is worth more.
+            no stand is worth more. apart: the same of each of several hands alone: where it comes off from none of the
+            stands that are best for either, those are tried that are best for one.
         flaw: metres by which what an attempt comes to is amiss. amiss: those for which one would rather go elsewhere.
 
     Raises:
@@ -72,9 +77,8 @@ def or_elsewhere(
             refused = error
         if here is not None and (task.library is None or amiss(here) <= _AMISS):
             return task, gaze, here
-        thought = yield from _thought(
-            task, gaze, attempt, (worth, at_best), flaw, np.inf if here is None else flaw(here)
-        )
+        least = np.inf if here is None else flaw(here)
+        thought = yield from _aloud(task, _thought(task, gaze, attempt, (worth, *apart), at_best, flaw, least))
         if here is not None and (not thought or thought[0][0] > amiss(here) - _WORTH):
             return task, gaze, here
         for _, stand, worked in thought:
@@ -90,22 +94,43 @@ def or_elsewhere(
     raise refused
 
 
+def _aloud(task: HumanTask, work: Generator[Array, None, Result]) -> Generator[Array, None, Result]:
+    """Frames of thinking, of which is told what is thought of where they are many."""
+    frames = 0
+    while True:
+        try:
+            rows = next(work)
+        except StopIteration as end:
+            return end.value
+        frames += len(rows)
+        if frames > _LONG * task.rate:
+            task.note("looks for a place from where a hand has room")
+        yield rows
+
+
 def _thought(
-    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worth: tuple[Callable[[Reaching], float], float],
+    task: HumanTask, gaze: Looking, attempt: Attempt[Worked], worths: Sequence[Worth], at_best: float,
     flaw: Callable[[Worked], float], least: float,
 ) -> Generator[Array, None, list[tuple[float, goals.Goal, Worked]]]:  # fmt: skip
     """What attempts come to from other stands, and their flaws, the best first, in frames (1, 260) of thinking.
 
-    least: the flaw that there is already.
+    least: the flaw that there is already. worths: the stands that are best by one are tried where those by none before
+    it serve.
     """
     thought: list[tuple[float, goals.Goal, Worked]] = []
-    for stand in (yield from gaze.during(_stands(task, *worth))):
-        worked = yield from _thought_of(task, stand, gaze, attempt, least + _PLAINLY)
-        if worked is not None:
-            thought.append((flaw(worked), stand, worked))
-            least = min(least, thought[-1][0])
-            if least <= _CLEAN:
-                break
+    tried = [task.start.root[:2]]
+    for number, worth in enumerate(worths):
+        stands = yield from gaze.during(_stands(task, worth, at_best, tried))
+        for stand in stands[: _FOR_ONE if number else _MOST]:
+            tried.append(stand.place)
+            worked = yield from _thought_of(task, stand, gaze, attempt, least + _PLAINLY)
+            if worked is not None:
+                thought.append((flaw(worked), stand, worked))
+                least = min(least, thought[-1][0])
+                if least <= _CLEAN:
+                    break
+        if least < np.inf:
+            break
     return sorted(thought, key=lambda one: one[0])
 
 
@@ -126,10 +151,9 @@ def _thought_of(
         yield from gaze.if_there_is_time()
 
 
-def _stands(task: HumanTask, worth: Callable[[Reaching], float], at_best: float) -> Steps[list[goals.Goal]]:
-    """Where else one might stand, the best first; of those that are as good as can be the first that are found."""
-    taken, found = standing(task), list[tuple[float, goals.Goal]]()
-    places = [task.start.root[:2]]
+def _stands(task: HumanTask, worth: Worth, at_best: float, but: Sequence[Array]) -> Steps[list[goals.Goal]]:
+    """Where one might stand but for some places (2,), the best first; of the very best the first that are found."""
+    taken, found, places = standing(task), list[tuple[float, goals.Goal]](), list(but)
     for stand in _all_around(task):
         if is_taken(stand, taken) or _near(stand, places):
             continue

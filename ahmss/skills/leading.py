@@ -22,7 +22,7 @@ from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
 from ahmss.body.quaternion import rotate
 
-__all__ = ["led", "stays_held"]
+__all__ = ["is_taken", "led", "stays_held"]
 
 _FINGERS = ("index", "middle", "ring", "little")
 _BENDS = 1.0  # degrees a frame from which on fingers are closing or opening
@@ -32,6 +32,7 @@ _STILL = 0.001  # metres that they go in a frame when they have closed
 _OPENED = 0.006  # metres that thumb and the nearest finger that closed with it go apart when they let go
 _ROLLS = 0.0006  # metres that they go apart in a frame as they roll on what they hold
 _LONG = 0.25  # metres: no fingertip is so far from the palm
+_FALLS = 6.0  # of its way, a second, that a part goes by itself to where it rests: radians
 _PALM = 0  # of the two points of a hand that may lead
 _TIPS = ("thumb", *_FINGERS)
 _FIRST = 0  # of the fingers: the index finger, which closes a pinch
@@ -39,7 +40,7 @@ _FIRST = 0  # of the fingers: the index finger, which closes a pinch
 
 def led(
     task: ObjectTask, way: float, limits: tuple[float, float], at: Callable[[float], Array],
-    gone: Callable[[Transform, Transform], float], settled: Callable[[float], float],
+    gone: Callable[[Transform, Transform], float], settled: Callable[[float], float], *, falls: bool = False,
 ) -> Iterator[float]:  # fmt: skip
     """How far the part is on its way, at each frame of the human.
 
@@ -48,16 +49,17 @@ def led(
         way: where it is at first. limits: between which it goes.
         at: where on the object the part is taken (3,), when it is so far.
         gone: how far what leads it brings it, from one place and turn to another, all in the object's frame.
-        settled: where it comes to rest when it is let go.
+        settled: where it comes to rest when it is let go. falls: it does so once no finger can be under it any more.
     """
     sides = (task.hand,) if task.hand else ("right", "left")
     threshold, closed = task.parameter("threshold", 0.05), task.parameter("closed_hand", 85.0)
     hands = {side: _Fingers(_bent(task.start, side)) for side in sides}
     leads: tuple[str, int] | None = None  # a hand, and its palm or pinch
-    brought = way
+    brought, rests, step = way, way, _FALLS / task.rate
     held = before = task.object.frame
     for human in task.frames():
         if leads is None and _far(task, human, sides, at(way), threshold):
+            way += float(np.clip(rests - way, -step, step))
             for side, hand in hands.items():
                 hand.far(_bent(human, side))
             yield way
@@ -71,7 +73,7 @@ def led(
         if leads is not None:
             apart = float(np.linalg.norm(points[leads[0]] - at(way), axis=1).min())
             if apart > threshold or not hands[leads[0]].holds(leads[1], closed):
-                way, leads = settled(way), None
+                rests, leads = settled(way), None
             else:
                 leader = _palm(task, human, leads[0]).then(held)
                 brought += gone(before, leader)
@@ -84,12 +86,30 @@ def led(
                 palm = _palm(task, human, side)
                 before = Transform(at(way), palm.rotation)
                 held = palm.inverse().then(before)
+            elif not falls or found.min() > threshold:
+                way += float(np.clip(rests - way, -step, step))
         yield way
 
 
+def is_taken(opening: float, widest: float) -> bool:
+    """Whether thumb and index finger so far apart have closed on what they take, that were so far apart before."""
+    return opening <= max(_PINCHED * widest, widest - _CLOSER)
+
+
 def stays_held(openings: Array, frames: Array) -> bool:
-    """Whether what is taken is not lost while thumb and index finger are so far apart (n), in those frames (n)."""
-    return bool((openings <= openings[0] + _OPENED + _ROLLS * (frames - frames[0])).all())
+    """Whether what is taken is not lost while the thumb is so far from each finger (n, 4), in those frames (n)."""
+    least = np.interp(np.arange(frames[0], frames[-1] + 1), frames, openings.min(axis=1)).tolist()
+    caught = least[0]
+    for opening in least:
+        if opening > caught + _OPENED:
+            return False
+        caught = _rolled(caught, opening)
+    return True
+
+
+def _rolled(caught: float, opening: float) -> float:
+    """How far apart fingers hold something by now: those that roll on it come apart slowly."""
+    return min(max(opening, caught), caught + _ROLLS)
 
 
 class _Fingers:
@@ -119,7 +139,8 @@ class _Fingers:
         assert self._openings is not None
         if which == _PALM:
             return self._fist(bent)
-        closed = self._openings <= np.maximum(_PINCHED * self._widest, self._widest - _CLOSER)
+        openings = zip(self._openings.tolist(), self._widest.tolist(), strict=True)
+        closed = np.array([is_taken(*opening) for opening in openings])
         if not closed[_FIRST] or self._goes > _STILL:
             return False
         self._hold, self._caught = closed, float(self._openings[closed].min())
@@ -130,8 +151,8 @@ class _Fingers:
         assert self._openings is not None
         opening = float(self._openings[self._hold].min())
         still = self._fist(bent) if which == _PALM else opening <= self._caught + _OPENED
-        if still:  # fingers that roll on it come apart slowly
-            self._caught = min(max(opening, self._caught), self._caught + _ROLLS)
+        if still:
+            self._caught = _rolled(self._caught, opening)
         else:
             self._widest = self._openings
         return still

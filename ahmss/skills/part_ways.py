@@ -43,7 +43,7 @@ _REACHES = 0.3  # metres from the part to what a hand may touch that holds it
 _PLATE = 0.1  # metres of it about a control
 _ON_PLATE, _AROUND = 0.08, 0.13  # metres from it up to which a part is on a plate; of that about the part
 _TILTS, _ROLLS = np.radians([0.0, -20.0, 20.0, -40.0, 40.0]), np.radians([0.0, -20.0, 20.0])
-_ALL_TILTS, _ALL_ROLLS = np.radians(np.arange(-60.0, 61.0, 15.0)), np.radians([0.0, -20.0, 20.0, -40.0, 40.0])
+_ALL_TILTS, _ALL_ROLLS = np.radians(np.arange(-90.0, 91.0, 15.0)), np.radians([0.0, -20.0, 20.0, -40.0, 40.0])
 
 Way = Callable[[Array], tuple[Array, Array]]
 

@@ -18,6 +18,7 @@ from ahmss.body.inverse import grips
 from ahmss.body.links import fingers
 from ahmss.body.quaternion import slerp
 from ahmss.errors import AlgorithmError
+from ahmss.grasping.hand import Hand
 from ahmss.grasping.holding import Holding
 from ahmss.reaching.goal import Goal
 from ahmss.reaching.going_on import GoingOn
@@ -35,6 +36,7 @@ from ahmss.skills.elsewhere import or_elsewhere
 from ahmss.skills.going_back import gone_back, rows_made
 from ahmss.skills.in_part import InPart
 from ahmss.skills.keeping import kept_clear
+from ahmss.skills.leading import is_taken
 from ahmss.skills.off_target import too_short
 from ahmss.skills.opening import opens_by
 from ahmss.skills.out_of_reach import EXACT, refuse_short
@@ -113,20 +115,23 @@ def _pinched(task: HumanTask, part: Part, other: Part | None) -> Iterator[Array]
         first = None if thought is None else thought[0]
         return _worked_out(task, ways, other, taken, prisms, boxes, gaze, first, most)
 
-    def worth(reaching: Reaching) -> float:
+    def worth(ways: Sequence[Approach], reaching: Reaching) -> float:
         """Metres that a hand would have to spare which comes there from so, less those that its arm is in plates."""
         found = lasting(reaching, ways, 1)
         if not found:
             return -np.inf
         return min(found[0].gap, KEEPS) - sunk_at(reaching, found[0].clear, part.site.place, plates)
 
+    apart = [[way.by(side) for way in ways if side in way.palms] for side in taken] if len(taken) > 1 else []
+
     def amiss(worked: tuple[_Tried, bool]) -> float:
         """Metres for which one rather stands elsewhere: a hand's neighbours, or a wrist that does not go along."""
         return worked[0].amiss.touches if is_control(task) else worked[0].on_part
 
     task, gaze, (best, is_last) = yield from or_elsewhere(
-        task, gaze, attempt, worth, lambda worked: worked[0].flaw, amiss, min(ways[0].gap, KEEPS)
-    )
+        task, gaze, attempt, partial(worth, ways), lambda worked: worked[0].flaw, amiss, min(ways[0].gap, KEEPS),
+        [partial(worth, own) for own in apart if own],
+    )  # fmt: skip
     waited = yield from awaited(task, best.made, best.plan.reacher.side, gaze)
     refuse_head_in(task, best.made)  # somebody may have come meanwhile
     if (waited or not is_last) and best.made.looked < 1.0:  # the eyes have gone on since it was made
@@ -163,14 +168,14 @@ def _worked_out(
             one = yield from _tried(task, way, other, taken, reaching, prisms, boxes, gaze, rest, in_part)
         except AlgorithmError as error:  # another way may be within reach
             refused = refused or error
-            continue
-        best = one if best is None or one.flaw < best.flaw else best
-        if best.flaw <= enough or best.amiss.excess <= 0.0:
-            break
-        each.pop(one.plan.reacher.side, None)
-        if one.on_part >= min(most, _REFUSED):  # wherever it comes from
-            left = [way for way in (way.without(one.plan.reacher.side) for way in left) if way.palms]
-        while not left and each and _touching(task, best):  # the ways are the clearest for both
+        else:
+            best = one if best is None or one.flaw < best.flaw else best
+            if best.flaw <= enough or best.amiss.excess <= 0.0:
+                break
+            each.pop(one.plan.reacher.side, None)
+            if one.on_part >= min(most, _REFUSED):  # wherever it comes from
+                left = [way for way in (way.without(one.plan.reacher.side) for way in left) if way.palms]
+        while not left and each and (best is None or _refused(task, best)):  # the ways are the clearest for both
             _, own = each.popitem()
             left = lasting(reaching, own, _MOST_WAYS) if own else []
     if best is None:
@@ -189,6 +194,12 @@ def _refuse(task: HumanTask, tried: _Tried) -> None:
     refuse_short(task, tried.plan, tried.amiss.short)
     if short := _short(task, tried.part, tried.plan, tried.made):
         raise AlgorithmError(short)
+    if not _is_taken(task, tried.part, tried.plan, tried.made):
+        name = "it" if task.object is None else task.object.name
+        raise AlgorithmError(
+            f"thumb and index finger have no room to open about {name} and close on it; stand elsewhere, or use the "
+            "other hand"
+        )
     if touching := _touching(task, tried):
         raise touching
     refuse_sunk(task, tried.plan, *_shown(tried.made, tried.back(task)))
@@ -249,6 +260,15 @@ class _Tried:
         return _back(task, self.part, self.plan, self.made)
 
 
+def _refused(task: HumanTask, tried: _Tried) -> bool:
+    """Whether it would not come off."""
+    try:
+        _refuse(task, tried)
+    except AlgorithmError:
+        return True
+    return False
+
+
 def _touching(task: HumanTask, tried: _Tried) -> AlgorithmError | None:
     """Why it is not to be made, where its hand would be in what is beside."""
     try:
@@ -293,7 +313,8 @@ def _tried(
 
     def missed(plan: Plan, made: Performed) -> float:
         either = [_missed(task, one, plan, made) for one in (part, instead) if one is not None]
-        return max(min(either) - _MISSED, 0.0) + (_REFUSED if _short(task, part, plan, made) else 0.0)
+        fails = _short(task, part, plan, made) or not _is_taken(task, part, plan, made)
+        return max(min(either) - _MISSED, 0.0) + (_REFUSED if fails else 0.0)
 
     def touched(plan: Plan, rotations: Array, root: Array) -> float:
         if not boxes:
@@ -382,6 +403,14 @@ def _missed(task: HumanTask, part: Part, plan: Plan, made: Performed) -> float:
     got = grips(task.human, made.rotations[-n:], made.root[-n:])[:, plan.reacher.row]
     turned = 2.0 * np.arccos(np.clip(np.abs((got[:, 3:] * then[:, 3:]).sum(axis=-1)), 0.0, 1.0))
     return float((np.linalg.norm(got[:, :3] - then[:, :3], axis=-1) + _ARM * turned)[holds].max())
+
+
+def _is_taken(task: HumanTask, part: Part, plan: Plan, made: Performed) -> bool:
+    """Whether thumb and index finger close as they take the part, so that it is seen to be held."""
+    closed, side = moved(task, part, plan.palm)[1], plan.reacher.side
+    openings = Hand.of(task.human, side).openings(made.rotations[-len(closed) :, list(fingers(side))])[:, 0]
+    takes = int(np.argmax(closed == 1.0))
+    return is_taken(float(openings[takes]), float(openings[: takes + 1].max()))
 
 
 def _short(task: HumanTask, part: Part, plan: Plan, made: Performed) -> str:

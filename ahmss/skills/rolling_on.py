@@ -79,7 +79,7 @@ def _at_stops(task: HumanTask, part: Part, side: str, palms: Array, way: Array, 
     again = [curled(hand, one, field, seen) for one in again] if alone else again
     shapes = np.stack([one.shape for one in again])
     better = amiss(hand, field, seen, shapes, alone=alone) < flaw - _GAINS
-    return shapes if better and stays_held(hand.opening(shapes), stops) else kept
+    return shapes if better and stays_held(hand.openings(shapes), stops) else kept
 
 
 def _between(shapes: Array, way: Array) -> Array:

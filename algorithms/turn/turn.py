@@ -41,7 +41,7 @@ def turn(task: HumanTask) -> Iterator[Array]:
     state = task.parameter("state", "turn")
     now = float(thing.states.get(state, 0.0))
     to = _wanted(task, told, now)
-    angle = to - now
+    angle = task.parameter("share", 1.0) * (to - now)
     along = task.parameter("along", 0.5)
     site = _about(pivot, axis, now, task.site)
     positions: dict[str, float] = {str(name): float(at) for name, at in told.get("positions", {}).items()}
@@ -69,8 +69,8 @@ def turn(task: HumanTask) -> Iterator[Array]:
         turn = multiply(after[3:], conjugate(before[3:]))
         made = 2.0 * float(np.arctan2(turn[1:] @ axis, turn[0]))
         made = (made + np.pi) % (2.0 * np.pi) - np.pi
-        rests = min(positions.values(), key=lambda position: abs(position - now - made / along), default=now + angle)
-        if abs(rests - now - angle) < NEAR:
+        rests = min(positions.values(), key=lambda position: abs(position - now - made / along), default=to)
+        if abs(rests - to) < NEAR:
             return ""
         asked, by = np.degrees(abs(along * angle)), np.degrees(abs(made))
         low, high = sorted((now, now + angle))

@@ -1,8 +1,8 @@
 """A part that turns about an axis of the object, as a tap's lever or a knob, with the hand that holds it.
 
 It turns as far as the hand goes around its axis, or turns there, from its lowest angle 0 to its `largest`, and stays
-where it is let go; one that has `positions` goes on to the nearest of these. The object itself stays where it is; what
-turns is shown by the state of its angle.
+where it is let go; one that has `positions` goes on to the nearest of these, one that `falls` when the hand has left.
+The object itself stays where it is; what turns is shown by the state of its angle.
 """
 
 from __future__ import annotations
@@ -48,7 +48,8 @@ def turned(task: ObjectTask) -> Iterator[ObjectPose]:
     def settled(angle: float) -> float:
         return min(positions, key=lambda position: abs(position - angle)) if positions else angle
 
-    for angle in led(task, float(task.object.states.get(state, 0.0)), limits, at, gone, settled):
+    now, falls = float(task.object.states.get(state, 0.0)), bool(told.get("falls", False))
+    for angle in led(task, now, limits, at, gone, settled, falls=falls):
         value = angle if angle in positions else float(np.radians(round(np.degrees(angle), 1)))
         yield task.pose(None, None, {state: round(value, 4)} if state in task.object.states else {})
 

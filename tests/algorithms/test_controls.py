@@ -12,8 +12,9 @@ import pytest
 
 from ahmss.algorithm import HumanTask, Transform, frames
 from ahmss.algorithm.messages import ObjectRecord, PoseRecord
+from ahmss.body.kinematics import forward
 from ahmss.body.links import INDEX
-from ahmss.body.quaternion import from_axis_angle, multiply
+from ahmss.body.quaternion import from_axis_angle, multiply, rotate
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import finished
 from ahmss.skills import brought_there, controls, pinching
@@ -63,7 +64,12 @@ def worst_turn(done: Used) -> float:
 
 
 COVER = {"part": "cover", "state": "cover_turn"}
-AFFORDED: dict[str, dict[str, Any]] = {"slide": {}, "turn": {"along": 0.6}, "open": COVER, "close": COVER}
+AFFORDED: dict[str, dict[str, Any]] = {
+    "slide": {},
+    "turn": {"along": 0.6},
+    "open": COVER,
+    "close": COVER | {"share": 0.65},
+}
 
 
 @pytest.mark.parametrize(("name", "slope", "begins", "ends"), [("ken", 90.0, 0.0, 0.7), ("aiko", 60.0, 0.8, 0.1)])
@@ -151,7 +157,23 @@ def test_what_turns_comes_to_its_position(
     assert angles[0] == begins
     assert angles[-1] == pytest.approx(ends, abs=1e-3)
     assert (np.diff(angles) * np.sign(ends - begins) >= 0.0).all()  # and not back behind a hand that has let it go
-    assert max(np.abs(np.diff(angles))) < 0.6  # with the hand, not at once; a cover falls shut
+    assert max(np.abs(np.diff(angles))) < 0.2  # with the hand, not at once; a cover falls shut
+
+
+def test_a_cover_that_is_let_go_falls_shut_when_no_finger_is_under_it_any_more() -> None:
+    done, told = moved("key_switch", "close", {"cover_turn": 0.0}, 75.0, "ken", position="closed")
+    angles = np.array([states["cover_turn"] for states in told])
+    falls = int(np.flatnonzero(np.diff(angles) > 0.0)[-1]) + 1
+    left = next(k for k in range(falls, 0, -1) if angles[k - 1] == angles[k - 2])
+    assert 0.5 * 1.7453 < angles[left - 1] < 0.7 * 1.7453  # the hand has brought it most of the way
+    assert 4 <= falls - left <= 12
+    tab = control("key_switch", 75.0).frame.apply(np.array([0.1, 0.0, 0.0]))  # above the plate, where it falls
+    places, world = forward(
+        np.array(done.shown[left].rotations), np.array(done.shown[left].root), done.body.skeleton.offsets
+    )
+    tips = [INDEX[f"{done.side}_{finger}_distal"] for finger in ("thumb", "index")]
+    at = places[tips] + rotate(world[tips], done.body.skeleton.tips[tips])
+    assert np.linalg.norm(at - tab, axis=-1).min() > 0.05
 
 
 def test_no_such_position_is_refused_with_those_that_there_are() -> None:

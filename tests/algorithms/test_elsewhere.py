@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 
 import msgspec
 import numpy as np
@@ -14,6 +14,7 @@ from ahmss.body.array import Array
 from ahmss.body.inverse import grips
 from ahmss.errors import AlgorithmError
 from ahmss.motion.steps import Steps
+from ahmss.reaching.plan import Reaching
 from ahmss.skills import elsewhere
 from ahmss.skills.come_to import come_to
 from ahmss.skills.reaching import Looking
@@ -49,15 +50,71 @@ def test_a_switch_that_the_hand_can_not_turn_from_here_is_turned_from_elsewhere(
     assert len(done.shown) < 1150  # of which who looked for ways that could not serve stood there for thousands
 
 
-def worked_out(task: HumanTask, attempt: elsewhere.Attempt[float]) -> float:
+def worked_out(task: HumanTask, attempt: elsewhere.Attempt[float], apart: Sequence[elsewhere.Worth] = ()) -> float:
     """The flaw of what is made in the end; one goes elsewhere by all of it."""
     gaze = Looking(task, np.zeros(3))
-    work = elsewhere.or_elsewhere(task, gaze, attempt, lambda _: 0.0, lambda flaw: flaw, lambda flaw: flaw)
+    work = elsewhere.or_elsewhere(task, gaze, attempt, lambda _: 0.0, lambda flaw: flaw, lambda flaw: flaw, apart=apart)
     while True:
         try:
             next(work)
         except StopIteration as end:
             return end.value[2]
+
+
+def test_where_it_comes_off_from_none_of_the_places_that_are_best_for_either_hand_those_are_tried_that_are_for_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Either hand would have been said to be in the way however it came, while one of them does it, asked alone."""
+    task = HumanTask(PANEL.start(SWITCH, Body("ken", 0.4988, -0.4529, 177.325), "turn", FROM, parameters=TO))
+    tried: list[tuple[float, float]] = []
+
+    def left(reaching: Reaching) -> float:
+        return -float(reaching.start.root[0])
+
+    def right(reaching: Reaching) -> float:
+        return float(reaching.start.root[0])
+
+    def attempt(task: HumanTask, gaze: Looking, thought: float | None, most: float) -> Generator[Array, None, float]:
+        yield np.zeros((1, 260))
+        at = float(task.start.root[0]), float(task.start.root[1])
+        tried.append(at)
+        if len(tried) < 7:  # from where one stands, and from the five that are best for either
+            raise AlgorithmError("something is in the way")
+        return 0.0
+
+    def went(task: HumanTask, stand: Goal, gaze: Looking) -> Generator[Array, None, tuple[HumanTask, Looking]]:
+        yield np.zeros((1, 260))
+        return come_to(task, stand), gaze
+
+    monkeypatch.setattr(elsewhere, "gone_to", went)
+    assert worked_out(task, attempt, [left, right]) == 0.0
+    assert len(set(tried)) == 7  # nowhere twice, but where it came off
+    assert tried[6][0] == min(at[0] for at in tried)
+    assert "looks for a place from where a hand has room" not in task.notes  # it took a few frames
+    tried.clear()
+    with pytest.raises(AlgorithmError, match="something is in the way"):
+        worked_out(task, attempt)
+
+
+@pytest.mark.parametrize(("frames", "told"), [(59, []), (61, ["looks for a place from where a hand has room"])])
+def test_who_looks_for_a_place_for_more_than_a_second_says_so(
+    monkeypatch: pytest.MonkeyPatch, frames: int, told: list[str]
+) -> None:
+    task = HumanTask(PANEL.start(SWITCH, Body("ken", 0.4988, -0.4529, 177.325), "turn", FROM, parameters=TO))
+
+    def thought(*given: object) -> Generator[Array, None, list[object]]:
+        for _ in range(frames):
+            yield np.zeros((1, 260))
+        return []
+
+    def attempt(task: HumanTask, gaze: Looking, thought: float | None, most: float) -> Generator[Array, None, float]:
+        yield np.zeros((1, 260))
+        raise AlgorithmError("something is in the way")
+
+    monkeypatch.setattr(elsewhere, "_thought", thought)
+    with pytest.raises(AlgorithmError, match="something is in the way"):
+        worked_out(task, attempt)
+    assert task.notes == told
 
 
 @pytest.mark.parametrize(("here", "there", "goes", "most"), [(0.02, 0.001, [0], 0.025), (0.02, 0.019, [], 0.025)])

@@ -25,9 +25,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Workspace:
-    for kind in ("push_button", "lever"):
+    for kind in ("push_button", "lever", "key_switch"):
         shutil.copytree(ROOT / "objectdb" / kind, tmp_path / "objectdb" / kind)
-    for folder in ("press", "pressed", "slide", "slid"):
+    for folder in ("press", "pressed", "slide", "slid", "turn", "turned"):
         shutil.copytree(ROOT / "algorithms" / folder, tmp_path / "algorithms" / folder)
     (tmp_path / "objectdb/floor").mkdir()
     (tmp_path / "objectdb/floor/object.toml").write_text('name = "floor"\nsentence = "A floor."\n')
@@ -57,6 +57,22 @@ def test_rows_of_controls_stand_on_the_plate(workspace: Workspace, slope: float)
     assert low[2] == pytest.approx(0.0, abs=1e-6)
 
 
+def test_rows_leave_each_other_room_whatever_stands_out_and_up(workspace: Workspace) -> None:
+    """A cover that is open is far above its key, and a hand that takes it comes aslant from below when it is closed."""
+    new_panel(workspace, "board", ["key_switch", "lever", "push_button", "push_button"], 4, 2, 90.0, 1.1)
+    rows: dict[str, list[float]] = {}
+    for one in workspace.objects.place("board", "board"):
+        if one.kind != "board":
+            low, high = workspace.objects.get(one.kind).properties["box"]
+            rows[f"{one.kind} {one.position[2]:.3f}"] = [one.position[2] + low[2], one.position[2] + high[2]]
+    (key, lever, upper, lower) = sorted(rows.values(), reverse=True)
+    assert key[0] - lever[1] == pytest.approx(0.8 * 0.092, abs=2e-4)
+    assert lever[0] - upper[1] == pytest.approx(0.8 * 0.06, abs=2e-4)
+    assert upper[0] - lower[1] == pytest.approx(0.035, abs=2e-4)
+    top = workspace.objects.shape("board").bounds[1][2]
+    assert top - key[1] == pytest.approx(0.05, abs=2e-4)
+
+
 @pytest.mark.parametrize("slope", [0.0, 12.0, 35.0, 90.0])
 def test_hands_are_told_of_a_console_as_it_is_drawn(workspace: Workspace, slope: float) -> None:
     new_panel(workspace, "board", ["push_button"], 3, 4, slope, 1.1)
@@ -79,8 +95,8 @@ def test_hands_are_told_of_a_console_as_it_is_drawn(workspace: Workspace, slope:
     [
         ("push_button", ["lever"], 1, 60.0, 1.0, "exists already"),
         ("9", ["lever"], 1, 60.0, 1.0, "no name for a panel"),
-        ("board", ["handle"], 1, 60.0, 1.0, "no such object; of controls there are: lever, push_button"),
-        ("board", ["lever", "floor"], 2, 60.0, 1.0, "--of floor: no control, .* are: lever, push_button"),
+        ("board", ["handle"], 1, 60.0, 1.0, "no such object; of controls there are: key_switch, lever, push_button"),
+        ("board", ["lever", "floor"], 2, 60.0, 1.0, "--of floor: no control, .* are: key_switch, lever, push_button"),
         ("board", ["lever"], 0, 60.0, 1.0, "allowed: 1 to 400"),
         ("board", ["lever"], 1, 95.0, 1.0, "0 .flat. to 90"),
         ("board", ["lever"], 14, 90.0, 1.0, "choose another height"),
