@@ -91,7 +91,8 @@ def _union(corners: Array) -> tuple[Any, float]:
     faces = shapely.union_all(shapely.polygons(corners[~flat]))
     # Of what is seen from its edge the first and the last corner are the ends.
     edges = shapely.get_parts(shapely.multilinestrings(np.unique(corners[flat][:, [0, 2]], axis=0)))
-    thick = shapely.buffer([faces, *edges], _HALF, cap_style="square", join_style="mitre", mitre_limit=_SHARP)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at corners that are next to in one place
+        thick = shapely.buffer([faces, *edges], _HALF, cap_style="square", join_style="mitre", mitre_limit=_SHARP)
     return shapely.union_all(thick), _SMOOTH
 
 

@@ -11,7 +11,7 @@ import shapely
 from ahmss.body.array import Array
 from ahmss.body.quaternion import from_axis_angle, multiply
 from ahmss.database import Workspace, outline
-from ahmss.database.footprint import HIGH, LOW, Rings
+from ahmss.database.footprint import HIGH, LOW, Footprints, Rings
 from ahmss.database.outline import outlines
 from ahmss.database.silhouette import silhouette
 
@@ -166,3 +166,12 @@ def test_a_shape_of_very_many_triangles_has_an_outline_like_another():
     shape = seen(triangles)
     assert shape.bounds == pytest.approx((0.0, 0.0, 2.0, 1.0), abs=0.025)
     assert shape.area == pytest.approx(2.0, abs=0.06)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_lever_that_leans_has_a_footprint_and_nobody_is_warned_of_it() -> None:
+    """Seen from above two corners of its outline are next to in one place."""
+    leans = np.array([0.8659375654532745, -0.07846501503152778, -0.48290676072143257, -0.10390589301137454])
+    shape = CHECKOUT.objects.shape("lever")
+    assert shape is not None
+    assert 0.002 < area(Footprints().of(shape, 1.2121, leans)).area < 0.03
