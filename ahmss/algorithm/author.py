@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import sysconfig
 import traceback
 from pathlib import Path
 from typing import NoReturn
@@ -204,7 +205,9 @@ def _line(error: Exception) -> str:
         return text
     name = "" if isinstance(error, AhmssError) else type(error).__name__
     own = Path(__file__).parent
+    libraries = [Path(sysconfig.get_path(kind)) for kind in ("stdlib", "purelib", "platlib")]
     for place in reversed(traceback.extract_tb(error.__traceback__)):
-        if Path(place.filename).parent != own:
-            return ": ".join(part for part in (name, text) if part) + f" ({Path(place.filename).name}:{place.lineno})"
+        file = Path(place.filename)
+        if file.parent != own and not any(file.is_relative_to(library) for library in libraries):
+            return ": ".join(part for part in (name, text) if part) + f" ({file.name}:{place.lineno})"
     return ": ".join(part for part in (name, text) if part)

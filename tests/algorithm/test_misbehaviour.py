@@ -194,6 +194,16 @@ def test_an_exception_names_its_line_and_leaves_its_traceback_in_the_log(warm_la
     assert "Traceback" in process.stderr_tail()
 
 
+def test_what_a_library_raises_names_the_line_that_asked_it(warm_launcher, make_start, tmp_path):
+    (tmp_path / "asks.py").write_text(
+        "import numpy as np\nfrom ahmss.algorithm import run\n\ndef asks(task):\n"
+        "    yield task.pose({'head': np.sinn(1.0)})\n\nrun(asks)\n"
+    )
+    process = warm_launcher.start(Entry("asks", ("python", "asks.py"), tmp_path), make_start())
+    sentence = r"asks at frame 1: AttributeError: .*'sinn' \(asks.py:5\)"
+    assert re.search(sentence, failure(warm_launcher, process, 1))
+
+
 def test_a_syntax_error_names_file_and_line(warm_launcher, make_start, tmp_path):
     (tmp_path / "broken.py").write_text("def broken(task)\n    return\n")
     process = warm_launcher.start(Entry("broken", ("python", "broken.py"), tmp_path), make_start())
