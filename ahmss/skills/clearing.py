@@ -25,7 +25,7 @@ KEEPS = 0.012
 WITHIN = 0.002
 """Metres that they may be in it, where there is no other way."""
 
-_EACH = 3  # frames: every so many are looked at
+_EACH, _BETWEEN = 3, 0.004  # frames: every so many are looked at; metres that a hand may be deeper between these
 _FAR = 0.1  # metres from a hand: what is farther is not looked at
 _TILTS, _AWAY = np.radians([0.0, 30.0, -30.0]), (0.07, 0.12)
 _X, _Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -58,7 +58,7 @@ def refuse_touching(task: HumanTask, side: str, rotations: Array, root: Array, b
     Raises:
         AlgorithmError: it is; says which neighbour, how deep, and what to do.
     """
-    if gap_of(task, side, rotations, root, boxes) > -WITHIN:
+    if gap_of(task, side, rotations, root, boxes) > _BETWEEN - WITHIN:
         return
     assert task.object is not None
     points = _points(task, side, rotations, root)

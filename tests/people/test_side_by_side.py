@@ -159,7 +159,7 @@ def test_where_somebody_stands_in_the_place_that_is_why_a_lever_can_not_be_slid(
     """It was said that somebody taller could."""
     (tmp_path / "script.txt").write_text(
         "add control_room\nhuman aiko body aiko at 1.10 0.19 facing 0\nhuman ken body ken at 1.22 -0.47 facing 0\n"
-        "ken: do panel/lever_4 slide level=0.5\n"
+        "ken: do panel/lever_4 slide level=0.5\naiko: wait 60\n"
     )
     report = play_script(tmp_path / "script.txt", PlaySetup(workspace=str(ROOT), fast=True))
     (message,) = (message for main in report.mains for message in main["messages"])
