@@ -16,7 +16,7 @@ from ahmss.world.space import Space
 __all__ = ["Publisher"]
 
 _GATHER_S = 0.001
-_FAN_OUT_S = 25e-6  # that a snapshot costs for each listener; ten mains, each in its own time, made hundreds a second
+_FAN_OUT_S = 40e-6  # that a snapshot costs for each listener; ten mains, each in its own time, made hundreds a second
 _SHARE = 0.05  # of a processor that may go into that
 _BYTES_A_SECOND = 40e6
 _FLUSH_S = 1.0
